@@ -1,0 +1,12 @@
+//! Triangle meshes: ids, connectivity, metric, points on surfaces, files, checks.
+
+pub mod connectivity;
+pub mod id;
+pub mod metric;
+pub mod point;
+pub mod trimesh;
+
+pub use connectivity::{Connectivity, ManifoldError, corner, face_of, next, prev};
+pub use id::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, VertexId};
+pub use point::SurfacePoint;
+pub use trimesh::TriMesh;
