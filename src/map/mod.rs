@@ -1,3 +1,3 @@
 //! The product: base complex, surface map, certificate, distortion.
 
-pub mod base_complex;
+pub use crate::path::base_complex;
