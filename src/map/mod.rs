@@ -1,3 +1,5 @@
-//! The product: base complex, surface map, certificate, distortion.
+//! The product: base complex, atlas, surface map, certificate, distortion.
 
+pub mod atlas;
 pub mod base_complex;
+pub mod tile_table;

@@ -1,7 +1,8 @@
 //! Maximum matching in a general graph by Edmonds' blossom algorithm.
 //!
-//! J. Edmonds, "Paths, trees, and flowers", Canad. J. Math. 17 (1965); blossoms are kept as a union-find forest of bases
-//! as in H. Gabow, "An efficient implementation of Edmonds' algorithm for maximum matching on graphs", J. ACM 23 (1976).
+//! J. Edmonds, "Paths, trees, and flowers", Canad. J. Math. 17 (1965); blossoms are kept as a union-find forest of
+//! bases, after H. Gabow, "An efficient implementation of Edmonds' algorithm for maximum matching on graphs", J. ACM 23
+//! (1976).
 
 use std::collections::VecDeque;
 
@@ -292,7 +293,7 @@ mod tests {
 
     #[test]
     fn nested_blossoms_are_opened_in_order() {
-        // 9 - 0 - 1 = 2 - 3 = 4 - 0 closes a blossom at 0; 1 = 2 and 3 = 4 are matched first, the tails hang at 2 and 3.
+        // 9 - 0 - 1 = 2 - 3 = 4 - 0 closes a blossom at 0; the tails hang at 2 and 3.
         let edges = [[1, 2], [3, 4], [5, 6], [0, 1], [2, 3], [4, 0], [2, 5], [6, 3], [6, 7], [0, 9], [9, 8], [4, 8]];
         assert_eq!(pairs(&maximum_matching(10, &edges), &edges), 5);
     }

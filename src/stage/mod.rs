@@ -1,1 +1,3 @@
-//! TODO
+//! The stages: each takes a value and returns a new one.
+
+pub mod exr;
