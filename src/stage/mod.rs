@@ -2,3 +2,4 @@
 
 pub mod bake;
 pub mod exr;
+pub mod rebuild;
