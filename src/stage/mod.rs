@@ -3,6 +3,7 @@
 pub mod bake;
 pub mod carry;
 pub mod cluster;
+pub mod embed;
 pub mod exr;
 pub mod layout;
 pub mod order;
