@@ -3,6 +3,8 @@
 pub mod atlas;
 pub mod certificate;
 pub mod embedding;
+pub mod purge;
+pub mod recut;
 pub mod surface_map;
 pub mod tile_table;
 

@@ -1,8 +1,12 @@
 //! Discs in the plane: patches, convex embeddings, stretch, point location.
 
 pub mod convex;
+pub mod diagonal;
 pub mod divide;
+pub mod domain;
 pub mod locate;
 pub mod orientation;
 pub mod patch_disc;
+pub mod smooth;
 pub mod stretch;
+pub mod walk;

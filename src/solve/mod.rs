@@ -1,3 +1,4 @@
-//! Solvers: matchings.
+//! Solvers: matchings, the energy of mapped triangles.
 
+pub mod dirichlet;
 pub mod matching;

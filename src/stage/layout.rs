@@ -116,7 +116,7 @@ fn reroute(
         for arc in arcs.ids() {
             let corners = [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }));
             let before = cut.clone();
-            cut.unmark(arc);
+            cut.unmark(arc, arcs[arc][0]);
             let path = connect(cut, mesh, &mut searcher, corners)?;
             if path.length < lengths[arc] * (1.0 - WORTH_MOVING) {
                 embed(cut, mesh, &path, arc)?;

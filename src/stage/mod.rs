@@ -8,4 +8,5 @@ pub mod exr;
 pub mod layout;
 pub mod order;
 pub mod rebuild;
+pub mod relax;
 pub mod trace;
