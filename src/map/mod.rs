@@ -1,3 +1,5 @@
 //! The product: base complex, surface map, certificate, distortion.
 
 pub mod base_complex;
+pub mod distortion;
+pub mod flips;
