@@ -4,7 +4,7 @@
 //! let G >= g be its singular values after the one scale that makes both total areas equal, A its area before and B
 //! after. L2 stretch: Sander, Snyder, Gortler, Hoppe, "Texture Mapping Progressive Meshes" (2001).
 
-use crate::mesh::{FaceId, IdVec, TriMesh, VertexId, metric};
+use crate::mesh::{IdVec, VertexId, metric};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -38,33 +38,35 @@ pub struct Distortion {
     pub degenerate_source: usize,
 }
 
-/// Measures the piecewise linear map from `mesh` to its triangles at the positions `image`.
+/// Measures the piecewise linear map that moves the corners of `faces` from `before` to `after`.
 ///
 /// `flips` is left to the caller, who knows what the image's normals are to be compared with: [`super::flips`].
 /// Without a single sound triangle every mean is zero.
-pub fn distortion(mesh: &TriMesh, image: &IdVec<VertexId, DVec3>, flips: usize) -> Distortion {
-    let sound = sound_triangles(mesh);
-    let degenerate_source = mesh.conn.face_count() - sound.len();
-    let triangles = || sound.iter().map(|&f| (mesh.triangle(f), mesh.face(f).map(|v| image[v])));
-    let (before, after) =
-        triangles().fold((0.0, 0.0), |(before, after), (s, t)| (before + metric::area(s), after + metric::area(t)));
-    let scale_sq = after / before;
+pub fn distortion(
+    faces: &[[VertexId; 3]],
+    before: &IdVec<VertexId, DVec3>,
+    after: &IdVec<VertexId, DVec3>,
+    flips: usize,
+) -> Distortion {
+    let triangles = faces.iter().map(|t| (t.map(|v| before[v]), t.map(|v| after[v])));
+    let total: f64 = triangles.clone().map(|(s, _)| metric::area(s)).sum();
+    let smallest = DEGENERATE_SHARE * total / faces.len().max(1) as f64;
+    let sound = triangles.filter(|&(s, _)| metric::area(s) > smallest);
+    let (sound_before, sound_after) =
+        sound.clone().fold((0.0, 0.0), |(before, after), (s, t)| (before + metric::area(s), after + metric::area(t)));
+    let scale_sq = sound_after / sound_before;
     let mut sums = Sums::default();
-    for (s, t) in triangles() {
+    for (s, t) in sound {
         sums.add(s, t, scale_sq);
     }
+    let degenerate_source = faces.len() - sums.triangles;
     Distortion { forward: sums.forward(flips), backward: sums.backward(flips), degenerate_source }
-}
-
-/// The faces that are not degenerate.
-fn sound_triangles(mesh: &TriMesh) -> Vec<FaceId> {
-    let smallest = DEGENERATE_SHARE * mesh.area() / mesh.conn.face_count().max(1) as f64;
-    mesh.conn.faces().filter(|&f| metric::area(mesh.triangle(f)) > smallest).collect()
 }
 
 /// Area-weighted sums over triangles; `before` and `after` are weighted by the area there.
 #[derive(Default)]
 struct Sums {
+    triangles: usize,
     before: f64,
     after: f64,
     stretch_after: f64,
@@ -85,6 +87,7 @@ impl Sums {
         let symmetric = (stretch + inverse) / 2.0;
         let (angles, images) = (metric::angles(source), metric::angles(image));
         let angle = (0..3).map(|i| (angles[i] - images[i]).abs()).sum::<f64>() / 3.0;
+        self.triangles += 1;
         self.before += before;
         self.after += after;
         self.stretch_after += stretch * after;
@@ -125,6 +128,7 @@ fn mean(sum: f64, weight: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::TriMesh;
     use glam::DQuat;
 
     const N: usize = 21;
@@ -146,7 +150,7 @@ mod tests {
 
     fn mapped(mesh: &TriMesh, map: impl Fn(DVec3) -> DVec3) -> Distortion {
         let image = mesh.positions.iter().map(|&p| map(p)).collect();
-        distortion(mesh, &image, 0)
+        distortion(&mesh.faces(), &mesh.positions, &image, 0)
     }
 
     fn close(value: f64, expected: f64) {

@@ -4,7 +4,7 @@
 //! triangle that spans a fold of the target can still come out turned over. These functions find such triangles.
 
 use super::distortion::DEGENERATE_SHARE;
-use crate::mesh::{FaceId, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
+use crate::mesh::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use glam::DVec3;
 
 /// The triangles of `mesh` that are collapsed or turned over on `target`, in order; `points` are the vertices' images.
@@ -16,9 +16,9 @@ pub fn flips_on_target(mesh: &TriMesh, target: &TriMesh, points: &IdVec<VertexId
     let image = points.iter().map(|p| p.position(target)).collect();
     let normals: IdVec<FaceId, DVec3> = target.conn.faces().map(|f| area_vector(target.triangle(f))).collect();
     let mut carriers = Vec::new();
-    turned(mesh, &image, |f, normal| {
+    turned(&mesh.faces(), &image, |t, normal| {
         carriers.clear();
-        mesh.face(f).map(|v| push_carriers(target, points[v], &mut carriers));
+        t.map(|v| push_carriers(target, points[v], &mut carriers));
         opposes_all(normal, carriers.iter().map(|&g| normals[g]))
     })
 }
@@ -28,32 +28,31 @@ pub fn flips_on_target(mesh: &TriMesh, target: &TriMesh, points: &IdVec<VertexId
 ///
 /// The area vector of a closed ring does not depend on its middle vertex, so a vertex pushed over its neighbours is
 /// found; a region that is turned over as a whole is not.
-pub fn local_flips(mesh: &TriMesh, image: &IdVec<VertexId, DVec3>) -> Vec<FaceId> {
+pub fn local_flips(faces: &[[VertexId; 3]], image: &IdVec<VertexId, DVec3>) -> Vec<FaceId> {
     let mut rings = IdVec::filled(DVec3::ZERO, image.len());
-    for f in mesh.conn.faces() {
-        let normal = area_vector(mesh.face(f).map(|v| image[v]));
-        for v in mesh.face(f) {
-            rings[v] += normal;
+    for t in faces {
+        let normal = area_vector(t.map(|v| image[v]));
+        for v in t {
+            rings[*v] += normal;
         }
     }
-    turned(mesh, image, |f, normal| opposes_all(normal, mesh.face(f).into_iter().map(|v| rings[v])))
+    turned(faces, image, |t, normal| opposes_all(normal, t.into_iter().map(|v| rings[v])))
 }
 
-/// The faces whose image is collapsed, or for which `is_turned` holds of the face and its image's area vector.
+/// The faces whose image is collapsed, or for which `is_turned` holds of the corners and the image's area vector.
 fn turned(
-    mesh: &TriMesh,
+    faces: &[[VertexId; 3]],
     image: &IdVec<VertexId, DVec3>,
-    mut is_turned: impl FnMut(FaceId, DVec3) -> bool,
+    mut is_turned: impl FnMut([VertexId; 3], DVec3) -> bool,
 ) -> Vec<FaceId> {
-    let triangle = |f| mesh.face(f).map(|v| image[v]);
-    let total: f64 = mesh.conn.faces().map(|f| metric::area(triangle(f))).sum();
-    let smallest = DEGENERATE_SHARE * total / mesh.conn.face_count().max(1) as f64;
-    let is_flip = |&f: &FaceId| {
-        let normal = area_vector(triangle(f));
+    let total: f64 = faces.iter().map(|t| metric::area(t.map(|v| image[v]))).sum();
+    let smallest = DEGENERATE_SHARE * total / faces.len().max(1) as f64;
+    let mut is_flip = |t: [VertexId; 3]| {
+        let normal = area_vector(t.map(|v| image[v]));
         let is_sound = normal.length() * 0.5 > smallest;
-        !is_sound || is_turned(f, normal)
+        !is_sound || is_turned(t, normal)
     };
-    mesh.conn.faces().filter(is_flip).collect()
+    (0..faces.len()).filter(|&i| is_flip(faces[i])).map(FaceId::new).collect()
 }
 
 /// Twice the area times the unit normal.
@@ -97,7 +96,7 @@ mod tests {
     fn the_identity_has_no_flips() {
         let mesh = fan();
         assert!(flips_on_target(&mesh, &mesh, &identity(&mesh)).is_empty());
-        assert!(local_flips(&mesh, &mesh.positions).is_empty());
+        assert!(local_flips(&mesh.faces(), &mesh.positions).is_empty());
     }
 
     ///      2___1
@@ -124,6 +123,6 @@ mod tests {
         let mesh = fan();
         let mut image = mesh.positions.clone();
         image[VertexId(0)] = DVec3::new(0.9, 0.5, 0.0);
-        assert_eq!(local_flips(&mesh, &image), [FaceId(0)]);
+        assert_eq!(local_flips(&mesh.faces(), &image), [FaceId(0)]);
     }
 }

@@ -4,3 +4,93 @@ pub mod folder;
 pub mod points_csv;
 
 pub use folder::{OutputFolder, check_place};
+
+use crate::error::Result;
+use crate::map::layout_file::{LandmarkEntry, LayoutFile, base_entries, polylines};
+use crate::map::product::{Product, Side};
+use crate::map::report::{Report, peak_bytes};
+use crate::mesh::io::write_obj;
+use folder::REPORT_FILE;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes all files of a finished map into `dir`, which appears as a whole at the end, and returns the report.
+///
+/// `seconds` is asked for the time per stage just before the report, the last file, is written.
+pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Result<Report> {
+    let folder = OutputFolder::create(dir)?;
+    write_side(&folder, "source_on_target", &product.source, &product.target)?;
+    write_side(&folder, "target_on_source", &product.target, &product.source)?;
+    for (name, bytes) in product.images {
+        folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
+    }
+    write_json(&folder, "layout.json", &layout_file(product))?;
+    let report = report(product, seconds);
+    write_json(&folder, REPORT_FILE, &report)?;
+    folder.commit()?;
+    Ok(report)
+}
+
+/// The compatible mesh of `side` at the shape of `other`, and its vertices' places there.
+fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> Result<()> {
+    let positions = side.image_positions(other);
+    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, side.file, &positions.raw))?;
+    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, other.mesh))
+}
+
+fn write_json(folder: &OutputFolder, name: &str, value: &impl Serialize) -> Result<()> {
+    folder.write(name, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}
+
+fn layout_file(product: &Product) -> LayoutFile {
+    let landmark = |l: &crate::map::product::NamedLandmark| LandmarkEntry {
+        name: l.name.clone(),
+        source_vertex: l.source.0,
+        target_vertex: l.target.0,
+    };
+    let (arcs, patches) = base_entries(product.base);
+    LayoutFile {
+        landmarks: product.landmarks.iter().map(landmark).collect(),
+        arcs,
+        patches,
+        source: polylines(product.source.arcs, product.source.mesh),
+        target: polylines(product.target.arcs, product.target.mesh),
+    }
+}
+
+fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
+    let forward = product.source.distortion(&product.target);
+    let backward = product.target.distortion(&product.source);
+    let mut warnings = product.warnings.to_vec();
+    warnings.extend(flip_warning("source_on_target.obj", forward.forward.flips));
+    warnings.extend(flip_warning("target_on_source.obj", backward.forward.flips));
+    Report {
+        version: env!("CARGO_PKG_VERSION"),
+        device: product.device.to_owned(),
+        source: product.source.summary(),
+        target: product.target.summary(),
+        landmarks: product.landmarks.len(),
+        layout: product.layout.clone(),
+        certificate: product.certificate,
+        distortion: forward,
+        distortion_target_on_source: backward,
+        seconds: seconds(),
+        peak_bytes: peak_bytes(),
+        warnings,
+    }
+}
+
+/// A map without turned-over triangles can still have turned-over samples.
+fn flip_warning(file: &str, flips: usize) -> Option<String> {
+    (flips > 0).then(|| {
+        format!(
+            "{file}: {flips} triangles are collapsed or turned over: the map is sampled at the vertices only, and these \
+             triangles are too coarse for a fold of the surface they are mapped onto"
+        )
+    })
+}
