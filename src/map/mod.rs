@@ -1,8 +1,9 @@
 //! The product: base complex, surface map, certificate, distortion.
 
-pub mod base_complex;
 pub mod distortion;
 pub mod flips;
 pub mod layout_file;
 pub mod product;
 pub mod report;
+
+pub use crate::path::base_complex;

@@ -1,1 +1,9 @@
-//! TODO
+//! Curves on surfaces: fronts, clusters, shortest paths over edge nodes, the cut mesh, regions between arcs.
+
+pub mod base_complex;
+pub mod cluster;
+pub mod cut_mesh;
+pub mod front;
+pub mod network;
+pub mod region;
+pub mod search;
