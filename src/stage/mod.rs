@@ -1,3 +1,5 @@
-//! The stages: a verb each, a value in and a new one out.
+//! The stages: each takes a value and returns a new one.
 
+pub mod bake;
+pub mod exr;
 pub mod write;
