@@ -9,6 +9,8 @@ mod later;
 mod map;
 mod measure;
 mod progress;
+mod summary;
+mod table;
 
 use crate::error::{Error, Result};
 use crate::pipeline::{install_panic_hook, message_of};

@@ -4,7 +4,7 @@ use super::base_complex::BaseComplex;
 use super::distortion::{Distortion, distortion};
 use super::flips::flips_on_target;
 use super::report::{Certificate, LayoutSummary, MeshSummary};
-use crate::mesh::io::MeshFile;
+use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh, VertexId};
 
 /// One mesh of the pair, with where its vertices go.
@@ -20,17 +20,6 @@ pub struct Side<'a> {
     pub image: &'a IdVec<VertexId, SurfacePoint>,
 }
 
-/// A landmark by its name and its vertex on either mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NamedLandmark {
-    /// The user's name for it.
-    pub name: String,
-    /// Its vertex of the source.
-    pub source: VertexId,
-    /// Its vertex of the target.
-    pub target: VertexId,
-}
-
 /// A finished map.
 #[derive(Clone, Debug)]
 pub struct Product<'a> {
@@ -39,7 +28,7 @@ pub struct Product<'a> {
     /// The target and its image on the source.
     pub target: Side<'a>,
     /// The landmarks, in the order of the base complex.
-    pub landmarks: &'a [NamedLandmark],
+    pub landmarks: &'a Landmarks,
     /// The base complex that both layouts carry.
     pub base: &'a BaseComplex,
     /// The layout in numbers.

@@ -10,11 +10,13 @@
 //! A job that fails keeps travelling as its error, so the outcomes come in the order of the jobs. A panic in a stage is
 //! caught and becomes an error of that job alone.
 
+mod job;
 mod line;
 mod observer;
 mod panics;
 pub mod stages;
 
+pub use job::{MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};

@@ -48,14 +48,15 @@ fn write_json(folder: &OutputFolder, name: &str, value: &impl Serialize) -> Resu
 }
 
 fn layout_file(product: &Product) -> LayoutFile {
-    let landmark = |l: &crate::map::product::NamedLandmark| LandmarkEntry {
-        name: l.name.clone(),
-        source_vertex: l.source.0,
-        target_vertex: l.target.0,
+    let given = product.landmarks;
+    let landmark = |(i, name): (usize, &String)| LandmarkEntry {
+        name: name.clone(),
+        source_vertex: given.source[i].0,
+        target_vertex: given.target[i].0,
     };
     let (arcs, patches) = base_entries(product.base);
     LayoutFile {
-        landmarks: product.landmarks.iter().map(landmark).collect(),
+        landmarks: given.names.iter().enumerate().map(landmark).collect(),
         arcs,
         patches,
         source: polylines(product.source.arcs, product.source.mesh),
@@ -74,7 +75,7 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
         device: product.device.to_owned(),
         source: product.source.summary(),
         target: product.target.summary(),
-        landmarks: product.landmarks.len(),
+        landmarks: product.landmarks.names.len(),
         layout: product.layout.clone(),
         certificate: product.certificate,
         distortion: forward,
