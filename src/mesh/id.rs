@@ -68,7 +68,7 @@ id!(
 );
 
 /// A vector indexed by one kind of id.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdVec<I, T> {
     /// The elements in order.
     pub raw: Vec<T>,
