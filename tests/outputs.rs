@@ -1,9 +1,13 @@
 //! Promises about what is written: a folder appears complete or not at all, and image points survive the round trip.
 
 use glam::DVec3;
-use homeo::mesh::{FaceId, HalfedgeId, IdVec, SurfacePoint, TriMesh, VertexId};
+use homeo::map::base_complex::{BaseComplex, DirectedArc};
+use homeo::map::product::{Product, Side};
+use homeo::map::report::{Certificate, LayoutSummary, Report};
+use homeo::mesh::io::{Landmarks, MeshFile, read_mesh};
+use homeo::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, corner};
 use homeo::stage::write::points_csv::{read_points, write_points};
-use homeo::stage::write::{OutputFolder, check_place};
+use homeo::stage::write::{OutputFolder, check_place, write};
 use homeo::{Error, ErrorKind};
 use std::fs;
 use std::io::Write;
@@ -238,4 +242,140 @@ fn broken_image_points_are_refused_by_line() {
         let error = read(rows).expect_err(rows);
         assert_eq!((error.kind, error.element.as_str()), (ErrorKind::Input, line), "{error}");
     }
+}
+
+/// The identity of a tetrahedron with all four vertices as landmarks: arcs are its edges, patches its faces.
+struct Identity {
+    file: MeshFile,
+    mesh: TriMesh,
+    base: BaseComplex,
+    arcs: IdVec<ArcId, Vec<SurfacePoint>>,
+    image: IdVec<VertexId, SurfacePoint>,
+    landmarks: Landmarks,
+}
+
+impl Identity {
+    fn new() -> Self {
+        let mesh = tetrahedron();
+        let corners: Vec<VertexId> = mesh.faces().into_iter().flatten().collect();
+        let edges: Vec<HalfedgeId> = mesh.conn.halfedges().filter(|&h| mesh.conn.is_edge_representative(h)).collect();
+        let side = |h: HalfedgeId| {
+            let edge = mesh.conn.edge_representative(h);
+            let arc = edges.iter().position(|&e| e == edge).expect("every half-edge has an edge");
+            DirectedArc { arc: ArcId(arc as u32), reversed: edge != h }
+        };
+        let ends = |&h: &HalfedgeId| [mesh.conn.from(h), mesh.conn.to(h)];
+        let vertices: Vec<VertexId> = mesh.conn.vertices().collect();
+        Identity {
+            file: MeshFile {
+                path: "tetrahedron.obj".into(),
+                positions: mesh.positions.raw.clone(),
+                offsets: vec![0, 3, 6, 9, 12],
+                corners,
+                ..MeshFile::default()
+            },
+            base: BaseComplex {
+                landmarks: 4,
+                arcs: edges.iter().map(|h| ends(h).map(|v| LandmarkId(v.0))).collect(),
+                patches: mesh.conn.faces().map(|f| [0, 1, 2].map(|i| side(corner(f, i)))).collect(),
+            },
+            arcs: edges.iter().map(|h| ends(h).map(SurfacePoint::Vertex).to_vec()).collect(),
+            image: vertices.iter().map(|&v| SurfacePoint::Vertex(v)).collect(),
+            landmarks: Landmarks {
+                names: ["a", "b", "c", "d"].map(String::from).to_vec(),
+                source: vertices.clone(),
+                target: vertices,
+                notes: Vec::new(),
+            },
+            mesh,
+        }
+    }
+
+    fn write(&self, dir: &Path) -> Report {
+        let side = Side { file: &self.file, mesh: &self.mesh, arcs: &self.arcs, image: &self.image };
+        let product = Product {
+            source: side,
+            target: side,
+            landmarks: &self.landmarks,
+            base: &self.base,
+            layout: LayoutSummary { kind: "voronoi", arcs: 6, patches: 4, postponed: 0, flips: 0 },
+            certificate: Certificate {
+                bijective: true,
+                same_complex: true,
+                patches_are_discs: true,
+                min_orientation: 1.0,
+            },
+            images: &[("mask.exr".to_owned(), b"mask".to_vec())],
+            device: "CPU",
+            warnings: &[],
+        };
+        write(&product, dir, || [("total", 0.5)].into()).expect("the place is free")
+    }
+}
+
+#[test]
+fn a_map_is_written_with_all_its_files() {
+    let scratch = Scratch::new("product");
+    let identity = Identity::new();
+    identity.write(&scratch.out());
+    let names = ["source_on_target.obj", "target_on_source.obj", "source_on_target.csv", "target_on_source.csv"];
+    for name in names.into_iter().chain(["geometry/mask.exr", "layout.json", "report.json"]) {
+        assert!(scratch.out().join(name).is_file(), "{name}");
+    }
+    let back = read_points(&scratch.out().join("source_on_target.csv"), &identity.mesh).expect("our own file");
+    assert_eq!(back, identity.image);
+    let mesh = read_mesh(&scratch.out().join("source_on_target.obj")).expect("our own file");
+    assert_eq!((mesh.positions, mesh.corners), (identity.file.positions, identity.file.corners));
+}
+
+#[test]
+fn the_report_holds_what_the_contract_names() {
+    let scratch = Scratch::new("report");
+    let report = Identity::new().write(&scratch.out());
+    assert_eq!(report.distortion.forward.symmetric_dirichlet, 1.0);
+    let text = fs::read_to_string(scratch.out().join("report.json")).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    for pointer in [
+        "/version",
+        "/device",
+        "/source/file",
+        "/target/boundary_loops",
+        "/landmarks",
+        "/layout/kind",
+        "/layout/postponed",
+        "/certificate/min_orientation",
+        "/distortion/forward/e_l2",
+        "/distortion/backward/flips",
+        "/seconds/total",
+        "/peak_bytes",
+        "/warnings",
+    ] {
+        assert!(json.pointer(pointer).is_some(), "{pointer} is missing in {text}");
+    }
+    assert_eq!(
+        json["source"],
+        serde_json::json!({
+            "file": "tetrahedron.obj", "vertices": 4, "faces": 4, "genus": 0, "boundary_loops": 0
+        })
+    );
+}
+
+#[test]
+fn the_layout_file_lets_the_patches_be_walked() {
+    let scratch = Scratch::new("layout");
+    Identity::new().write(&scratch.out());
+    let text = fs::read_to_string(scratch.out().join("layout.json")).expect("written");
+    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let end = |side: &serde_json::Value, last: bool| {
+        let reversed = side["reversed"].as_bool().expect("a flag");
+        let arc = side["arc"].as_u64().expect("a number") as usize;
+        json["arcs"][arc][usize::from(last != reversed)].as_u64().expect("a landmark")
+    };
+    for patch in json["patches"].as_array().expect("a list") {
+        for k in 0..3 {
+            assert_eq!(end(&patch[k], true), end(&patch[(k + 1) % 3], false), "{patch}");
+        }
+    }
+    assert_eq!(json["source"][0]["points"][0]["vertex"], json["arcs"][0][0]);
+    assert_eq!(json["landmarks"][2]["name"], "c");
 }

@@ -13,8 +13,6 @@ pub struct Console {
     pub json: bool,
     /// Nothing but errors.
     pub quiet: bool,
-    /// More than usual.
-    pub verbose: bool,
     /// Colours on stdout.
     pub color: bool,
     /// Colours on stderr.
@@ -33,10 +31,14 @@ impl Console {
         Console {
             json: global.json,
             quiet: global.quiet,
-            verbose: global.verbose,
             color: color(io::stdout().is_terminal()),
             color_errors: color(io::stderr().is_terminal()),
         }
+    }
+
+    /// For arguments that could not be read: no colours, JSON if they seem to ask for it.
+    pub fn for_bad_arguments(json: bool) -> Self {
+        Console { json, quiet: false, color: false, color_errors: false }
     }
 
     /// Prints a result: `value` as JSON, or else the text, which ends in a newline; `-q` drops the text.

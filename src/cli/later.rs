@@ -12,7 +12,9 @@ pub fn refuse_command(command: &Command) -> Result<()> {
         Command::Transfer(_) => "transfer",
         Command::Morph(_) => "morph",
         Command::Batch(_) => "batch",
-        Command::Demo(_) | Command::Map(_) | Command::Check(_) | Command::Measure(_) | Command::Devices => return Ok(()),
+        Command::Demo(_) | Command::Map(_) | Command::Check(_) | Command::Measure(_) | Command::Devices => {
+            return Ok(());
+        }
     };
     Err(later(&format!("the command '{name}'"), "see homeo --help for what works today"))
 }

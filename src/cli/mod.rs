@@ -16,6 +16,7 @@ use crate::error::{Error, Result};
 use crate::pipeline::{install_panic_hook, message_of};
 use args::{Cli, Command, Global};
 use clap::Parser;
+use clap::error::ErrorKind;
 use console::Console;
 use std::ffi::OsString;
 use std::panic::catch_unwind;
@@ -58,16 +59,29 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
     }
 }
 
-/// Prints help, the version, or what is wrong with the arguments; with `--json` the latter as an object as well.
+/// Prints help or the version as asked, or what is wrong with the arguments in one line.
 fn refuse_arguments(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
-    if error.use_stderr() && arguments.iter().any(|a| a == "--json") {
-        let first_line = error.to_string().lines().next().unwrap_or_default().to_owned();
-        let what = first_line.strip_prefix("error: ").unwrap_or(&first_line);
-        console::print_json(&console::error_object(&Error::usage(what).remedy("see homeo --help")));
+    let is_message = matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    );
+    if is_message {
+        // The only failure is a reader that went away.
+        let _ = error.print();
+        return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
     }
-    // The only failure is a reader that went away.
-    let _ = error.print();
-    ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2))
+    let given = |flag: &str| arguments.iter().any(|a| a == flag);
+    let error = Error::usage(one_line(&error.to_string())).remedy("see homeo --help");
+    Console::for_bad_arguments(given("--json")).error(&error);
+    ExitCode::from(error.kind.exit_code())
+}
+
+/// What is wrong and the hints, without the usage text and line breaks.
+fn one_line(message: &str) -> String {
+    let lines = message.lines().map(str::trim).filter(|l| !l.is_empty());
+    let told = lines.take_while(|l| !l.starts_with("Usage:") && !l.starts_with("For more information"));
+    let text = told.collect::<Vec<_>>().join(" ");
+    text.strip_prefix("error: ").unwrap_or(&text).to_owned()
 }
 
 /// The size of the pool that the CPU stages share; without the flag it is one thread per core.

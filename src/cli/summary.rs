@@ -28,7 +28,8 @@ pub fn map_summary(report: &Report, dir: &Path, console: &Console) -> String {
 
 /// Several finished maps, a row each.
 pub fn demo_summary(finished: &[(String, Report)], console: &Console) -> String {
-    let header = ["pair", "vertices", "landmarks", "patches", "E_L2", "E_ang", "sym. Dirichlet", "turned over", "seconds"];
+    let header =
+        ["pair", "vertices", "landmarks", "patches", "E_L2", "E_ang", "sym. Dirichlet", "turned over", "seconds"];
     let mut rows = vec![header.map(String::from).to_vec()];
     rows.extend(finished.iter().map(|(name, r)| {
         let m = r.distortion.forward;

@@ -18,7 +18,7 @@ pub fn flips_on_target(mesh: &TriMesh, target: &TriMesh, points: &IdVec<VertexId
     let mut carriers = Vec::new();
     turned(&mesh.faces(), &image, |t, normal| {
         carriers.clear();
-        t.map(|v| push_carriers(target, points[v], &mut carriers));
+        t.iter().for_each(|&v| push_carriers(target, points[v], &mut carriers));
         opposes_all(normal, carriers.iter().map(|&g| normals[g]))
     })
 }

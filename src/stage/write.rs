@@ -13,7 +13,6 @@ use crate::mesh::io::write_obj;
 use folder::REPORT_FILE;
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::Path;
 
 /// Writes all files of a finished map into `dir`, which appears as a whole at the end, and returns the report.
