@@ -4,9 +4,10 @@
 //! opens upwards (+z).
 
 use super::Shape;
-use super::field::{Sample, cylinder, round_cone, torus};
+use super::field::{Sample, cylinder, torus};
 use super::solid::{Ray, Solid};
 use glam::{DQuat, DVec3};
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
 /// Outer radius of the mug's wall.
 const WALL: f64 = 0.5;
@@ -16,15 +17,14 @@ const CAVITY: f64 = 0.39;
 const HALF_HEIGHT: f64 = 0.6;
 /// Height of the cavity's floor.
 const FLOOR: f64 = -0.46;
-/// Radius of the handle.
-const HANDLE: f64 = 0.085;
-/// Half of the handle's arch: x, z, from the middle upwards; the last joint lies inside the wall.
-const ARCH: [[f64; 2]; 6] = [[0.90, 0.0], [0.89, 0.12], [0.84, 0.23], [0.75, 0.31], [0.63, 0.35], [0.47, 0.36]];
-/// Fillets: along the arch, where the handle meets the wall, and at the mug's lip.
-const FILLETS: [f64; 3] = [0.12, 0.12, 0.06];
+/// The handle's ring: distance of its centre from the mug's axis, major and minor radius. The half of it that lies in
+/// the cavity goes away with the cavity.
+const HANDLE: (f64, f64, f64) = (0.52, 0.36, 0.085);
+/// Fillets where the handle meets the wall, and at the lip.
+const FILLETS: [f64; 2] = [0.12, 0.06];
 /// Major and minor radius of the doughnut.
 const DOUGHNUT: (f64, f64) = (0.62, 0.27);
-/// Where around the doughnut's ring, counted from +x upwards, the mug's mouth and its base are, in radians.
+/// Where around the doughnut's ring, counted from +x upwards, the mug's mouth is, in radians; its base is opposite.
 const MOUTH_TURN: f64 = 2.2;
 
 /// A mug with about `resolution` vertices: closed, genus 1, with 14 landmarks.
@@ -41,41 +41,37 @@ pub fn mug(resolution: usize) -> Shape {
 }
 
 fn mug_field(p: DVec3) -> Sample {
-    let mirrored = DVec3::new(p.x, p.y, p.z.abs());
-    let joint = |k: usize| (DVec3::new(ARCH[k][0], 0.0, ARCH[k][1]), HANDLE);
-    let mut handle = round_cone(mirrored, joint(0), joint(1));
-    for k in 2..ARCH.len() {
-        handle = handle.union(round_cone(mirrored, joint(k - 1), joint(k)), FILLETS[0]);
-    }
-    if p.z < 0.0 {
-        handle.gradient.z = -handle.gradient.z;
-    }
+    let handle = upright_torus(p - DVec3::X * HANDLE.0, HANDLE.1, HANDLE.2);
     let body = cylinder(p, WALL, (-HALF_HEIGHT, HALF_HEIGHT), 0.05);
     let cavity = cylinder(p, CAVITY, (FLOOR, 2.0 * HALF_HEIGHT), 0.08);
-    body.union(handle, FILLETS[1]).minus(cavity, FILLETS[2])
+    body.union(handle, FILLETS[0]).minus(cavity, FILLETS[1])
+}
+
+/// A torus around the y axis.
+fn upright_torus(p: DVec3, major: f64, minor: f64) -> Sample {
+    let s = torus(DVec3::new(p.z, p.x, p.y), major, minor);
+    Sample { distance: s.distance, gradient: DVec3::new(s.gradient.y, s.gradient.z, s.gradient.x) }
 }
 
 fn mug_rays() -> Vec<Ray> {
     let rim = (WALL + CAVITY) * 0.5;
-    let handle = DVec3::new(ARCH[0][0], 0.0, 0.0);
-    let wall = DVec3::new(rim, 0.0, 0.0);
-    let shoulder = DVec3::new(ARCH[3][0], 0.0, ARCH[3][1]);
-    let lip = |way: DVec3| way * rim;
+    let bottom = DVec3::new(0.0, 0.0, (FLOOR - HALF_HEIGHT) * 0.5);
+    let handle = |x: f64, z: f64| DVec3::new(HANDLE.0 + HANDLE.1 * x, 0.0, HANDLE.1 * z);
     [
-        ("handle_outer", handle, DVec3::X),
-        ("handle_inner", handle, DVec3::NEG_X),
-        ("handle_left", handle, DVec3::Y),
-        ("handle_right", handle, DVec3::NEG_Y),
-        ("handle_top", shoulder, DVec3::Z),
-        ("handle_bottom", shoulder * DVec3::new(1.0, 1.0, -1.0), DVec3::NEG_Z),
-        ("hole_wall", wall, DVec3::X),
-        ("back", -wall, DVec3::NEG_X),
-        ("base", DVec3::new(0.0, 0.0, 0.5 * (FLOOR - HALF_HEIGHT)), DVec3::NEG_Z),
-        ("cavity_floor", DVec3::new(0.0, 0.0, 0.5 * (FLOOR - HALF_HEIGHT)), DVec3::Z),
-        ("lip_handle", lip(DVec3::X), DVec3::Z),
-        ("lip_back", lip(DVec3::NEG_X), DVec3::Z),
-        ("lip_left", lip(DVec3::Y), DVec3::Z),
-        ("lip_right", lip(DVec3::NEG_Y), DVec3::Z),
+        ("handle_outer", handle(1.0, 0.0), DVec3::X),
+        ("handle_inner", handle(1.0, 0.0), DVec3::NEG_X),
+        ("handle_left", handle(1.0, 0.0), DVec3::Y),
+        ("handle_right", handle(1.0, 0.0), DVec3::NEG_Y),
+        ("handle_top", handle(0.6, 0.8), DVec3::Z),
+        ("handle_bottom", handle(0.6, -0.8), DVec3::NEG_Z),
+        ("hole_wall", DVec3::X * rim, DVec3::X),
+        ("back", DVec3::NEG_X * rim, DVec3::NEG_X),
+        ("base", bottom, DVec3::NEG_Z),
+        ("cavity_floor", bottom, DVec3::Z),
+        ("lip_handle", DVec3::X * rim, DVec3::Z),
+        ("lip_back", DVec3::NEG_X * rim, DVec3::Z),
+        ("lip_left", DVec3::Y * rim, DVec3::Z),
+        ("lip_right", DVec3::NEG_Y * rim, DVec3::Z),
     ]
     .map(|(name, start, way)| (name.to_string(), start, way))
     .to_vec()
@@ -84,10 +80,7 @@ fn mug_rays() -> Vec<Ray> {
 /// A doughnut with about `resolution` vertices: closed, genus 1, with the mug's landmarks where a mug that is melted
 /// into a ring has them.
 pub fn doughnut(resolution: usize) -> Shape {
-    let field = |p: DVec3| {
-        let s = torus(DVec3::new(p.z, p.x, p.y), DOUGHNUT.0, DOUGHNUT.1);
-        Sample { distance: s.distance, gradient: DVec3::new(s.gradient.y, s.gradient.z, s.gradient.x) }
-    };
+    let field = |p: DVec3| upright_torus(p, DOUGHNUT.0, DOUGHNUT.1);
     let solid = Solid {
         name: "doughnut",
         field: &field,
@@ -100,7 +93,6 @@ pub fn doughnut(resolution: usize) -> Shape {
 }
 
 fn doughnut_rays() -> Vec<Ray> {
-    use std::f64::consts::{FRAC_PI_3, PI};
     // The ray that leaves the ring's core at `turn` from +x upwards, leaning by `lean` from outwards to the left.
     let ray = |turn: f64, lean: f64| {
         let out = DVec3::new(turn.cos(), 0.0, turn.sin());
@@ -109,8 +101,8 @@ fn doughnut_rays() -> Vec<Ray> {
     [
         ("handle_outer", 0.0, 0.0),
         ("handle_inner", 0.0, PI),
-        ("handle_left", 0.0, PI / 2.0),
-        ("handle_right", 0.0, -PI / 2.0),
+        ("handle_left", 0.0, FRAC_PI_2),
+        ("handle_right", 0.0, -FRAC_PI_2),
         ("handle_top", FRAC_PI_3, 0.0),
         ("handle_bottom", -FRAC_PI_3, 0.0),
         ("hole_wall", PI, PI),

@@ -58,7 +58,7 @@ const BULL: Build = Build {
     ],
     tail: &[[-1.12, 0.0, 1.22, 0.08], [-1.36, 0.0, 1.13, 0.055], [-1.45, 0.0, 0.86, 0.05], [-1.46, 0.0, 0.66, 0.08]],
     blends: [0.20, 0.20, 0.12, 0.05, 0.07, 0.07, 0.06],
-    ear_flatness: 1.8,
+    ear_flatness: 1.7,
     turn: DVec3::new(0.3, 0.7, 0.2),
 };
 
@@ -67,7 +67,7 @@ const MULE: Build = Build {
     spine: &[[-0.66, 0.0, 1.52, 0.27], [-0.10, 0.0, 1.46, 0.28], [0.42, 0.0, 1.50, 0.29]],
     neck: &[[0.50, 0.0, 1.60, 0.23], [0.78, 0.0, 1.98, 0.16], [0.98, 0.0, 2.34, 0.125]],
     head: &[[1.02, 0.0, 2.42, 0.145], [1.26, 0.0, 2.30, 0.115], [1.54, 0.0, 2.13, 0.09]],
-    ear: &[[0.97, 0.08, 2.50, 0.06], [0.94, 0.20, 2.72, 0.085], [0.95, 0.29, 2.97, 0.045]],
+    ear: &[[0.97, 0.08, 2.50, 0.075], [0.94, 0.19, 2.72, 0.095], [0.95, 0.27, 2.96, 0.06]],
     foreleg: &[
         [0.42, 0.14, 1.36, 0.17],
         [0.42, 0.17, 0.98, 0.10],
@@ -90,7 +90,7 @@ const MULE: Build = Build {
         [-1.22, 0.0, 0.62, 0.045],
     ],
     blends: [0.16, 0.16, 0.08, 0.05, 0.06, 0.06, 0.05],
-    ear_flatness: 1.8,
+    ear_flatness: 1.7,
     turn: DVec3::new(-0.5, 0.2, 0.9),
 };
 
@@ -113,7 +113,7 @@ pub fn quadruped(kind: Quadruped, resolution: usize) -> Shape {
         name: build.name,
         field: &field,
         bounds: build.bounds(),
-        thinnest: 0.035,
+        thinnest: 0.026,
         flat: 0.4,
         turn: DQuat::from_scaled_axis(build.turn),
     };
@@ -126,14 +126,13 @@ struct Bone {
     to: (DVec3, f64),
     across: DVec3,
     flatness: f64,
+    /// Fillet to the bones before, on the scale of this bone's field.
     blend: f64,
 }
 
 fn sample(bones: &[Bone], p: DVec3) -> Sample {
-    let mut all = bones[0].sample(p);
-    for bone in &bones[1..] {
-        all = all.union(bone.sample(p), bone.blend);
-    }
+    let [first, rest @ ..] = bones else { unreachable!("every build has a spine") };
+    let all = rest.iter().fold(first.sample(p), |all, bone| all.union(bone.sample(p), bone.blend));
     let ground = Sample { distance: p.z, gradient: DVec3::Z };
     all.minus(ground, SOLE_EDGE)
 }
@@ -162,7 +161,7 @@ impl Build {
                     let is_ear = std::ptr::eq(chain, self.ear);
                     let flatness = if is_ear { self.ear_flatness } else { 1.0 };
                     let across = DVec3::X.reject_from(to.0 - from.0).normalize_or(DVec3::Z);
-                    bones.push(Bone { from, to, across, flatness, blend });
+                    bones.push(Bone { from, to, across, flatness, blend: blend / flatness });
                 }
             }
         }

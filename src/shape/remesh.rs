@@ -16,9 +16,12 @@ const LONG: f64 = 4.0 / 3.0;
 /// See [`LONG`].
 const SHORT: f64 = 4.0 / 5.0;
 /// Edges on the most curved places are this share of those on flat ones; smaller wastes vertices on rims.
-const FINEST_SHARE: f64 = 0.3;
+const FINEST_SHARE: f64 = 0.18;
 /// Passes that spread a small wish to its neighbourhood, so that edge lengths change gradually.
 const GRADING_PASSES: usize = 4;
+/// The wish is stretched by at most this to meet the vertex count; where thin walls forbid a coarser mesh, insisting
+/// would only spoil the triangles.
+const MOST_CORRECTION: f64 = 1.3;
 /// Smoothing steps a round.
 const SMOOTHING_PASSES: usize = 3;
 
@@ -39,6 +42,7 @@ pub fn remesh(field: &Field, mut draft: Draft, vertices: usize, flat: f64) -> Dr
         }
         if round >= 2 {
             correction *= (draft.live_vertices() as f64 / vertices as f64).sqrt();
+            correction = correction.clamp(1.0 / MOST_CORRECTION, MOST_CORRECTION);
         }
     }
     flip_all(&mut draft);
