@@ -1,5 +1,6 @@
-//! The stages: each takes a value and returns a new one.
+//! The stages of the main job, a verb each: a value in, a new value out.
 
 pub mod bake;
 pub mod exr;
+pub mod rebuild;
 pub mod write;
