@@ -109,9 +109,12 @@ pub struct MapArgs {
     pub source: PathBuf,
     /// The mesh it is mapped onto
     pub target: PathBuf,
-    /// CSV `name,source_vertex,target_vertex` (0-based), or `name,sx,sy,sz,tx,ty,tz`
+    /// CSV `name,source_vertex,target_vertex` (0-based) or `name,sx,sy,sz,tx,ty,tz`; or a file of source points
     #[arg(long, value_name = "FILE")]
     pub landmarks: PathBuf,
+    /// File of target points, matched with those of the source by name or order
+    #[arg(long, value_name = "FILE")]
+    pub target_landmarks: Option<PathBuf>,
     /// Folder for the results; appears complete or not at all
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

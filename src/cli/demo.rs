@@ -43,6 +43,7 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
         source: dir.join("source.obj"),
         target: dir.join("target.obj"),
         landmarks: dir.join("landmarks.csv"),
+        target_landmarks: None,
         out: dir.join("map"),
     };
     check_place(&job.out)?;

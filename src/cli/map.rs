@@ -20,6 +20,7 @@ pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCod
         source: args.source.clone(),
         target: args.target.clone(),
         landmarks: args.landmarks.clone(),
+        target_landmarks: args.target_landmarks.clone(),
         out: args.out.clone(),
     };
     let report = run_all(vec![job], &options, global, console)?.remove(0);

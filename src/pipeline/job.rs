@@ -9,8 +9,10 @@ pub struct MapJob {
     pub source: PathBuf,
     /// The mesh it is mapped onto.
     pub target: PathBuf,
-    /// The landmarks.
+    /// The landmarks of both meshes, or of the source if there is a second file.
     pub landmarks: PathBuf,
+    /// The landmarks of the target, if they have a file of their own.
+    pub target_landmarks: Option<PathBuf>,
     /// Where the results go.
     pub out: PathBuf,
 }

@@ -13,13 +13,12 @@
 mod job;
 mod line;
 mod observer;
+mod pair;
 mod panics;
-mod run;
 pub mod stages;
 
 pub use job::{MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};
-pub use run::run_maps;
-pub use stages::Stage;
+pub use stages::{Stage, run_maps};
