@@ -127,7 +127,7 @@ fn child_that_never_finishes() {
 
 fn spawn_child(dir: &Path) -> Child {
     let me = std::env::current_exe().expect("a test knows its program");
-    let child = Command::new(me)
+    let mut child = Command::new(me)
         .args(["--exact", "child_that_never_finishes"])
         .env(CHILD, dir)
         .stdout(Stdio::null())
@@ -142,6 +142,8 @@ fn spawn_child(dir: &Path) -> Child {
         }
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
+    child.kill().expect("the child runs");
+    child.wait().expect("the child ends");
     panic!("the child did not get to writing");
 }
 
