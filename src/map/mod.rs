@@ -1,11 +1,14 @@
 //! The product: base complex, atlas, surface map, certificate, distortion.
 
 pub mod atlas;
+pub mod certificate;
 pub mod distortion;
+pub mod embedding;
 pub mod flips;
 pub mod layout_file;
 pub mod product;
 pub mod report;
+pub mod surface_map;
 pub mod tile_table;
 
 pub use crate::path::base_complex;

@@ -239,6 +239,12 @@ mod tests {
             z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
             ((z ^ (z >> 31)) % n as u64) as usize
         }
+
+        fn shuffle<T>(&mut self, items: &mut [T]) {
+            for i in (1..items.len()).rev() {
+                items.swap(i, self.below(i + 1));
+            }
+        }
     }
 
     /// Checks that every node's edge is also its partner's, and returns the number of pairs.
@@ -291,11 +297,32 @@ mod tests {
         }
     }
 
+    /// Different starts lead to different searches, which must agree in size; the sparse graphs are full of blossoms.
     #[test]
-    fn nested_blossoms_are_opened_in_order() {
-        // 9 - 0 - 1 = 2 - 3 = 4 - 0 closes a blossom at 0; the tails hang at 2 and 3.
-        let edges = [[1, 2], [3, 4], [5, 6], [0, 1], [2, 3], [4, 0], [2, 5], [6, 3], [6, 7], [0, 9], [9, 8], [4, 8]];
-        assert_eq!(pairs(&maximum_matching(10, &edges), &edges), 5);
+    fn the_order_of_the_edges_does_not_change_the_size_seed_3() {
+        let mut draw = Draw(3);
+        for round in 0..3000 {
+            let nodes = 12 + draw.below(50);
+            let count = nodes + draw.below(nodes);
+            let mut edges: Vec<[usize; 2]> = (0..count).map(|_| [draw.below(nodes), draw.below(nodes)]).collect();
+            let size = pairs(&maximum_matching(nodes, &edges), &edges);
+            for _ in 0..4 {
+                draw.shuffle(&mut edges);
+                assert_eq!(pairs(&maximum_matching(nodes, &edges), &edges), size, "round {round}: {edges:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_between_two_blossoms_closes_a_third() {
+        // Matched pairs are joined by =. The way from 0 to 13 leads around both triangles of pairs and over 5 - 9:
+        //
+        //   13 - 1 = 2 - 5 = 6 - 8 = 7 - 2        0 - 1, 0 - 3, 5 - 9
+        //        3 = 4 - 9 = 10 - 12 = 11 - 4
+        let start = [[1, 2], [3, 4], [5, 6], [7, 8], [9, 10], [11, 12]];
+        let rest = [[0, 1], [0, 3], [2, 5], [2, 7], [6, 8], [4, 9], [4, 11], [10, 12], [5, 9], [1, 13]];
+        let edges = [start.as_slice(), &rest].concat();
+        assert_eq!(pairs(&maximum_matching(14, &edges), &edges), 7);
     }
 
     #[test]
@@ -320,14 +347,10 @@ mod tests {
     /// A random cubic graph with a Hamiltonian cycle, and so without a bridge.
     fn hamiltonian_cubic(nodes: usize, draw: &mut Draw) -> Vec<[usize; 2]> {
         let mut chords: Vec<usize> = (0..nodes).collect();
-        for i in (1..nodes).rev() {
-            chords.swap(i, draw.below(i + 1));
-        }
+        draw.shuffle(&mut chords);
         let mut edges: Vec<[usize; 2]> = chords.chunks_exact(2).map(|pair| [pair[0], pair[1]]).collect();
         edges.extend((0..nodes).map(|i| [i, (i + 1) % nodes]));
-        for i in (1..edges.len()).rev() {
-            edges.swap(i, draw.below(i + 1));
-        }
+        draw.shuffle(&mut edges);
         edges
     }
 

@@ -92,14 +92,14 @@ pub fn write(image: &FloatImage, json: &str, out: impl Write + Seek) -> Result<(
     exr::block::write(out, headers, true, |meta, writer| write_blocks(image, &meta, writer)).map_err(writing_failed)
 }
 
-/// The bytes of the file that [`write`] writes.
+/// The bytes of the file that [`write()`] writes.
 pub fn encode(image: &FloatImage, json: &str) -> Result<Vec<u8>> {
     let mut bytes = Cursor::new(Vec::new());
     write(image, json, &mut bytes)?;
     Ok(bytes.into_inner())
 }
 
-/// Reads a file written by [`write`]: the image and its JSON text.
+/// Reads a file written by [`write()`]: the image and its JSON text.
 ///
 /// # Errors
 /// Input, if the file is not OpenEXR, has other than 32-bit float channels, or lacks the text.

@@ -2,7 +2,7 @@
 //!
 //! Borders are sewn by number, never by position, so the mesh is closed wherever the base complex is. A base complex
 //! may have patches that meet themselves or each other along several arcs; near landmarks with one or two arcs the grid
-//! then has edges with common ends, which a triangle mesh cannot tell apart: such edges are split, see [`glued`].
+//! then has edges with common ends, which a triangle mesh cannot tell apart: such edges are split, see `glued`.
 
 mod glued;
 
