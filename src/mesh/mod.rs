@@ -2,6 +2,7 @@
 
 pub mod connectivity;
 pub mod id;
+pub mod io;
 pub mod metric;
 pub mod point;
 pub mod trimesh;
