@@ -1,5 +1,6 @@
 //! Triangle meshes: ids, connectivity, metric, points on surfaces, files, checks.
 
+pub mod check;
 pub mod connectivity;
 pub mod id;
 pub mod io;

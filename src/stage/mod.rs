@@ -2,9 +2,11 @@
 
 pub mod bake;
 pub mod carry;
+pub mod check;
 pub mod cluster;
 pub mod exr;
 pub mod layout;
+pub mod load;
 pub mod order;
 pub mod rebuild;
 pub mod trace;

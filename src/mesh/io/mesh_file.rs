@@ -144,6 +144,7 @@ impl MeshFile {
         const LIMIT: usize = u32::MAX as usize;
         if self.polygon_count() == 0 {
             return Err(Error::input(format!("no faces, {} vertices", self.positions.len()))
+                .at("end of file")
                 .remedy("export the mesh with its faces; the file may be cut short"));
         }
         if self.positions.len() >= LIMIT || 3 * self.triangle_count() >= LIMIT {

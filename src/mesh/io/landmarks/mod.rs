@@ -91,7 +91,7 @@ fn read_text(path: &Path) -> Result<String> {
 fn find_vertices(points: PointFile, mesh: &MeshFile, side: &str, notes: &mut Vec<String>) -> Result<Vec<Found>> {
     let fail = |e: Error| e.file(&points.path);
     if points.entries.is_empty() {
-        return Err(fail(Error::input("no landmarks").remedy("give at least three, one per row")));
+        return Err(fail(Error::input("no landmarks").at("row 1").remedy("give at least three, one per row")));
     }
     let vertices = place::vertices(&points, mesh, side, notes).map_err(fail)?;
     let mut names = HashMap::new();
@@ -103,7 +103,7 @@ fn find_vertices(points: PointFile, mesh: &MeshFile, side: &str, notes: &mut Vec
         }
         if let Some(first) = used.insert(vertex, entry) {
             let what = format!(
-                "{} is the {side} of \"{}\" and of \"{}\" ({})",
+                "{} is the {side} of \"{}\" and already of \"{}\" in {}",
                 vertex,
                 entry.label(),
                 first.label(),

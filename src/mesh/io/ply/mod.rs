@@ -54,7 +54,8 @@ fn parse_body<'a>(header: &'a Header, mut values: impl Values<'a>) -> Result<Mes
 
 fn skip<'a>(element: &'a Element, values: &mut impl Values<'a>) -> Result<()> {
     let mut ignored = Vec::new();
-    for row in 0..element.count {
+    let rows = if element.properties.is_empty() { 0 } else { element.count }; // nothing is written for empty rows
+    for row in 0..rows {
         values.start(element, row)?;
         for property in &element.properties {
             values.list(property, &mut ignored)?;
