@@ -5,39 +5,8 @@ use super::scan::{Malformed, Scanned, Scanner};
 use glam::{DVec2, DVec3};
 
 /// Statements that carry nothing a surface mesh needs: lines, points, free-form geometry, display attributes.
-const IGNORED: [&[u8]; 31] = [
-    b"l",
-    b"p",
-    b"vp",
-    b"cstype",
-    b"deg",
-    b"bmat",
-    b"step",
-    b"curv",
-    b"curv2",
-    b"surf",
-    b"parm",
-    b"trim",
-    b"hole",
-    b"scrv",
-    b"sp",
-    b"end",
-    b"con",
-    b"mg",
-    b"bevel",
-    b"c_interp",
-    b"d_interp",
-    b"lod",
-    b"usemap",
-    b"maplib",
-    b"shadow_obj",
-    b"trace_obj",
-    b"ctech",
-    b"stech",
-    b"call",
-    b"csh",
-    b"vc",
-];
+const IGNORED: &str = "l p vp vc cstype deg bmat step curv curv2 surf parm trim hole scrv sp end con mg bevel c_interp \
+                       d_interp lod usemap maplib shadow_obj trace_obj ctech stech call csh";
 /// Remedy for an index that cannot be right whatever stands elsewhere in the file.
 const INDICES: &str = "OBJ counts vertices from 1, or from -1 backwards";
 
@@ -87,7 +56,11 @@ impl Column {
 
 /// True if `word` starts a statement this reader knows.
 pub(super) fn is_keyword(word: &[u8]) -> bool {
-    matches!(word, b"v" | b"vt" | b"vn" | b"f" | b"mtllib") || keyword(word).is_some() || IGNORED.contains(&word)
+    matches!(word, b"v" | b"vt" | b"vn" | b"f" | b"mtllib") || keyword(word).is_some() || is_ignored(word)
+}
+
+fn is_ignored(word: &[u8]) -> bool {
+    IGNORED.split(' ').any(|ignored| ignored.as_bytes() == word)
 }
 
 fn keyword(word: &[u8]) -> Option<Keyword> {
@@ -207,7 +180,7 @@ impl Block {
         if let Some(keyword) = keyword(word) {
             let text = String::from_utf8_lossy(text).into_owned();
             self.statements.push(Statement { polygon: self.ends.len(), keyword, text });
-        } else if !IGNORED.contains(&word) {
+        } else if !is_ignored(word) {
             return Err(Malformed {
                 what: format!("unknown statement \"{}\"", super::scan::quote(word)),
                 line,

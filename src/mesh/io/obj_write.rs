@@ -7,7 +7,7 @@ use std::io::{BufWriter, Result, Write};
 /// Written for a vertex whose faces have no area, where any direction is as good.
 const ANY_NORMAL: DVec3 = DVec3::Z;
 
-/// Writes `mesh` with `positions` in place of its own: same vertices, polygons, texture coordinates and groups.
+/// Writes `mesh` with `positions`, one per vertex, in place of its own: same vertices, polygons, texture coordinates and groups.
 ///
 /// Numbers are the shortest that read back to the same value. Normals are written if `mesh` has some: one per vertex,
 /// the area-weighted mean over its polygons at the new positions.

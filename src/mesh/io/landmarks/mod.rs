@@ -97,21 +97,15 @@ fn find_vertices(points: PointFile, mesh: &MeshFile, side: &str, notes: &mut Vec
     let mut names = HashMap::new();
     let mut used = HashMap::new();
     for (entry, &vertex) in points.entries.iter().zip(&vertices) {
+        let label = entry.label();
         if let Some(first) = entry.name.as_ref().and_then(|name| names.insert(name, entry)) {
-            let what = format!("the name \"{}\" is taken by {}", entry.label(), first.row());
+            let what = format!("the name \"{label}\" is taken by {}", first.row());
             return Err(fail(Error::input(what).at(entry.row()).remedy("give every landmark a name of its own")));
         }
         if let Some(first) = used.insert(vertex, entry) {
-            let what = format!(
-                "{} is the {side} of \"{}\" and already of \"{}\" in {}",
-                vertex,
-                entry.label(),
-                first.label(),
-                first.row()
-            );
-            return Err(fail(
-                Error::input(what).at(entry.row()).remedy("a vertex can carry one landmark: move or delete one"),
-            ));
+            let (other, row) = (first.label(), first.row());
+            let what = format!("{vertex} is the {side} of \"{label}\" and already of \"{other}\" in {row}");
+            return Err(fail(Error::input(what).at(entry.row()).remedy("give every landmark a vertex of its own")));
         }
     }
     Ok(points.entries.into_iter().zip(vertices).map(|(entry, vertex)| Found { entry, vertex }).collect())
