@@ -1,1 +1,3 @@
-//! TODO
+//! Solvers: sparse systems, colouring.
+
+pub mod coloring;
