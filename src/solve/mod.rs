@@ -1,3 +1,4 @@
-//! Solvers: matchings.
+//! Solvers: sparse systems, colouring, matchings.
 
+pub mod coloring;
 pub mod matching;
