@@ -290,3 +290,122 @@ fn a_reader_that_goes_away_is_no_error() {
     assert_eq!(code(&output), 3);
     assert!(!text(&output.stderr).contains("panicked"), "{}", text(&output.stderr));
 }
+
+/// A sphere as OBJ: the faces of a cube in n x n quads, pushed out, then moved by `shape`.
+fn ball(n: usize, shape: impl Fn([f64; 3]) -> [f64; 3]) -> String {
+    let mut numbers = std::collections::BTreeMap::new();
+    let mut obj = String::new();
+    let mut faces = String::new();
+    let mut vertex = |place: [usize; 3]| {
+        let next = numbers.len() + 1;
+        *numbers.entry(place).or_insert_with(|| {
+            let p = place.map(|x| 2.0 * x as f64 / n as f64 - 1.0);
+            let length = p.iter().map(|x| x * x).sum::<f64>().sqrt();
+            let [x, y, z] = shape(p.map(|x| x / length));
+            obj += &format!("v {x:?} {y:?} {z:?}\n");
+            next
+        })
+    };
+    for (axis, side, i, j) in (0..6 * n * n).map(|k| (k / n / n % 3, k / n / n / 3, k / n % n, k % n)) {
+        let mut at = |i: usize, j: usize| {
+            let mut place = [0; 3];
+            (place[axis], place[(axis + 1) % 3], place[(axis + 2) % 3]) = (side * n, i, j);
+            vertex(place)
+        };
+        let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        let [b, d] = if side == 1 { [b, d] } else { [d, b] };
+        faces += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    obj + &faces
+}
+
+/// A pair of balls of different shape and fineness; landmarks are the corners of the cubes.
+fn balls(files: &Files) -> [String; 3] {
+    let corners = |n: usize| {
+        let obj = ball(n, |p| p);
+        let is_corner = |line: &&str| {
+            line.starts_with('v') && line.split(' ').skip(1).all(|x| x.trim_start_matches('-').starts_with("0.577"))
+        };
+        let lines: Vec<&str> = obj.lines().collect();
+        let mut found: Vec<(String, usize)> = lines
+            .iter()
+            .enumerate()
+            .filter(|(_, l)| is_corner(l))
+            .map(|(i, l)| (l.split(' ').skip(1).map(|x| if x.starts_with('-') { '-' } else { '+' }).collect(), i))
+            .collect();
+        found.sort();
+        found
+    };
+    let rows = corners(4).into_iter().zip(corners(6)).map(|((name, s), (_, t))| format!("{name},{s},{t}\n"));
+    let landmarks = "name,source_vertex,target_vertex\n".to_owned() + &rows.collect::<String>();
+    [
+        files.add("source.obj", &ball(4, |p| p)),
+        files.add("target.obj", &ball(6, |[x, y, z]| [2.0 * x, y + 0.3 * x * x, 0.7 * z])),
+        files.add("landmarks.csv", &landmarks),
+    ]
+}
+
+#[test]
+fn a_pair_of_balls_is_mapped_and_certified() {
+    let files = Files::new("balls");
+    let [source, target, landmarks] = balls(&files);
+    let out = files.path("out");
+    let map = ["map", &source, &target, "--landmarks", &landmarks, "--out", &out, "--device", "cpu", "--image", "5"];
+    let output = homeo(&[&map[..], &["--json"]].concat());
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).expect("the report on stdout");
+    assert_eq!(report["certificate"]["bijective"], true, "{report}");
+    assert_eq!((&report["landmarks"], &report["layout"]["patches"]), (&8.into(), &12.into()));
+    let stretch = report["distortion"]["forward"]["e_l2"].as_f64().expect("a number");
+    assert!((1.0..3.0).contains(&stretch), "{stretch}");
+    for stage in homeo::pipeline::Stage::ALL.iter().filter(|s| **s != homeo::pipeline::Stage::Relax) {
+        assert!(report["seconds"][stage.name()].is_number(), "{}", stage.name());
+    }
+    let rows = fs::read_to_string(files.path("out/source_on_target.csv")).expect("written");
+    assert_eq!(rows.lines().count(), 1 + 98, "a row for every vertex");
+    assert_eq!(fs::read_dir(files.path("out/geometry")).expect("written").count(), 6);
+}
+
+#[test]
+fn output_does_not_depend_on_the_number_of_threads() {
+    let files = Files::new("threads");
+    let [source, target, landmarks] = balls(&files);
+    for threads in ["1", "2", "3"] {
+        let out = files.path(threads);
+        let output =
+            homeo(&["map", &source, &target, "--landmarks", &landmarks, "--out", &out, "--threads", threads, "-q"]);
+        assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    }
+    let names = ["source_on_target.obj", "target_on_source.csv", "layout.json", "geometry/source_position.exr"];
+    for name in names.into_iter().chain(["geometry/stretch.exr", "geometry/target_normal.exr"]) {
+        let bytes = |threads: &str| fs::read(files.path(threads).to_owned() + "/" + name).expect("written");
+        assert!(bytes("1") == bytes("2") && bytes("2") == bytes("3"), "{name}");
+    }
+}
+
+/// Killed at any moment, a run leaves either the whole output or nothing that is not hidden.
+#[test]
+fn a_killed_run_leaves_no_partial_output() {
+    let files = Files::new("killed");
+    let [source, target, landmarks] = balls(&files);
+    let out = files.path("out");
+    for milliseconds in (0..200).step_by(10) {
+        let _ = fs::remove_dir_all(&out);
+        let mut child = program()
+            .args(["map", &source, &target, "--landmarks", &landmarks, "--out", &out, "--device", "cpu", "-q"])
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("the program starts");
+        std::thread::sleep(std::time::Duration::from_millis(milliseconds));
+        child.kill().expect("the child is ours");
+        child.wait().expect("the child ends");
+        if PathBuf::from(&out).exists() {
+            for name in ["report.json", "layout.json", "source_on_target.obj", "geometry/mask.exr"] {
+                assert!(PathBuf::from(&out).join(name).exists(), "{name} is missing after {milliseconds} ms");
+            }
+        }
+        let entries = fs::read_dir(&files.0).expect("the folder of this test").flatten();
+        let visible = entries.filter(|e| !e.file_name().to_string_lossy().starts_with('.')).count();
+        assert!(visible <= 4, "something else than inputs and output after {milliseconds} ms");
+    }
+}

@@ -2,8 +2,11 @@
 
 use glam::DVec3;
 use homeo::map::base_complex::{BaseComplex, DirectedArc};
-use homeo::map::product::{Product, Side};
-use homeo::map::report::{Certificate, LayoutSummary, Report};
+use homeo::map::certificate::Certificate;
+use homeo::map::file_order::Onto;
+use homeo::map::product::{GeometryImages, Product, Side};
+use homeo::map::report::{LayoutSummary, Report};
+use homeo::map::tile_table::TileTable;
 use homeo::mesh::io::{Landmarks, MeshFile, read_mesh};
 use homeo::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, corner};
 use homeo::stage::write::points_csv::{read_points, write_points};
@@ -184,26 +187,31 @@ fn an_output_moved_away_by_a_dead_process_comes_back() {
     assert_eq!(scratch.names(), ["out"]);
 }
 
+/// Image points.
+type Points = IdVec<VertexId, Option<SurfacePoint>>;
+
 fn tetrahedron() -> TriMesh {
     let positions = vec![DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z];
     let faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [2, 0, 3]].map(|t| t.map(VertexId));
     TriMesh::new(positions, &faces).expect("a tetrahedron is a manifold")
 }
 
-fn round_trip(points: &IdVec<VertexId, SurfacePoint>) -> (String, IdVec<VertexId, SurfacePoint>) {
+fn round_trip(points: &Points) -> (String, Points) {
     let mesh = tetrahedron();
     let mut bytes = Vec::new();
-    write_points(&mut bytes, points, &mesh).expect("memory has room");
+    let onto = Onto { mesh: &mesh, triangles: &mesh.faces() };
+    write_points(&mut bytes, points, onto).expect("memory has room");
     let text = String::from_utf8(bytes).expect("CSV is text");
-    (text.clone(), read(&text).expect("our own file reads back"))
+    (text.clone(), read(&text, points.len()).expect("our own file reads back"))
 }
 
-fn read(text: &str) -> Result<IdVec<VertexId, SurfacePoint>, Error> {
+fn read(text: &str, vertices: usize) -> Result<Points, Error> {
     let thread = std::thread::current();
     let test = thread.name().unwrap_or("test").replace(':', "-");
     let path = std::env::temp_dir().join(format!("homeo-points-{test}-{}.csv", std::process::id()));
     fs::File::create(&path).and_then(|mut f| f.write_all(text.as_bytes())).expect("writable");
-    let points = read_points(&path, &tetrahedron());
+    let mesh = tetrahedron();
+    let points = read_points(&path, vertices, Onto { mesh: &mesh, triangles: &mesh.faces() });
     fs::remove_file(&path).expect("just written");
     points
 }
@@ -212,8 +220,7 @@ fn read(text: &str) -> Result<IdVec<VertexId, SurfacePoint>, Error> {
 fn image_points_survive_the_round_trip_bit_by_bit() {
     let third = 1.0 / 3.0;
     let faces = [[third, third, 1.0 - 2.0 * third], [0.1, 0.2, 0.7], [1e-300, 0.5, 0.5], [0.25, 5e-17, 0.75]];
-    let points: IdVec<VertexId, SurfacePoint> =
-        faces.iter().zip(0..).map(|(&b, f)| SurfacePoint::Face(FaceId(f), b)).collect();
+    let points: Points = faces.iter().zip(0..).map(|(&b, f)| Some(SurfacePoint::Face(FaceId(f), b))).collect();
     let (text, back) = round_trip(&points);
     assert_eq!(back, points, "{text}");
 }
@@ -221,14 +228,16 @@ fn image_points_survive_the_round_trip_bit_by_bit() {
 #[test]
 fn vertices_and_edges_come_back_as_the_same_places() {
     let mesh = tetrahedron();
-    let points: IdVec<VertexId, SurfacePoint> =
-        [SurfacePoint::Vertex(VertexId(2)), SurfacePoint::Edge(HalfedgeId(4), 0.375)].into_iter().collect();
+    let points: Points =
+        [Some(SurfacePoint::Vertex(VertexId(2))), None, Some(SurfacePoint::Edge(HalfedgeId(4), 0.375))]
+            .into_iter()
+            .collect();
     let (text, back) = round_trip(&points);
     assert_eq!(back[VertexId(0)], points[VertexId(0)], "{text}");
-    assert!(matches!(back[VertexId(1)], SurfacePoint::Edge(..)), "{text}");
-    for v in [VertexId(0), VertexId(1)] {
-        assert_eq!(back[v].position(&mesh), points[v].position(&mesh), "{text}");
-    }
+    assert_eq!(back[VertexId(1)], None, "{text}");
+    assert!(matches!(back[VertexId(2)], Some(SurfacePoint::Edge(..))), "{text}");
+    let place = |points: &Points| points[VertexId(2)].map(|p| p.position(&mesh));
+    assert_eq!(place(&back), place(&points), "{text}");
 }
 
 #[test]
@@ -236,12 +245,13 @@ fn broken_image_points_are_refused_by_line() {
     for (rows, line) in [
         ("vertex,face\n", "line 1"),
         ("vertex,face,b0,b1,b2\n0,4,1,0,0\n", "line 2"),
-        ("vertex,face,b0,b1,b2\n0,0,1,0,0\n2,0,1,0,0\n", "line 3"),
+        ("vertex,face,b0,b1,b2\n0,0,1,0,0\n4,0,1,0,0\n", "line 3"),
+        ("vertex,face,b0,b1,b2\n0,0,1,0,0\n0,0,1,0,0\n", "line 3"),
         ("vertex,face,b0,b1,b2\n0,0,0.5,0.4,0\n", "line 2"),
         ("vertex,face,b0,b1,b2\n0,0,NaN,0,1\n", "line 2"),
         ("vertex,face,b0,b1,b2\n0,0,1,0\n", "line 2"),
     ] {
-        let error = read(rows).expect_err(rows);
+        let error = read(rows, 4).expect_err(rows);
         assert_eq!((error.kind, error.element.as_str()), (ErrorKind::Input, line), "{error}");
     }
 }
@@ -252,7 +262,7 @@ struct Identity {
     mesh: TriMesh,
     base: BaseComplex,
     arcs: IdVec<ArcId, Vec<SurfacePoint>>,
-    image: IdVec<VertexId, SurfacePoint>,
+    image: Points,
     landmarks: Landmarks,
 }
 
@@ -282,7 +292,7 @@ impl Identity {
                 patches: mesh.conn.faces().map(|f| [0, 1, 2].map(|i| side(corner(f, i)))).collect(),
             },
             arcs: edges.iter().map(|h| ends(h).map(SurfacePoint::Vertex).to_vec()).collect(),
-            image: vertices.iter().map(|&v| SurfacePoint::Vertex(v)).collect(),
+            image: vertices.iter().map(|&v| Some(SurfacePoint::Vertex(v))).collect(),
             landmarks: Landmarks {
                 names: ["a", "b", "c", "d"].map(String::from).to_vec(),
                 source: vertices.clone(),
@@ -295,6 +305,8 @@ impl Identity {
 
     fn write(&self, dir: &Path) -> Report {
         let side = Side { file: &self.file, mesh: &self.mesh, arcs: &self.arcs, image: &self.image };
+        let table = TileTable { tile_size: 5, columns: 1, rows: 1, tiles: Vec::new() };
+        let images = GeometryImages { table, files: vec![("mask.exr".to_owned(), b"mask".to_vec())] };
         let product = Product {
             source: side,
             target: side,
@@ -305,11 +317,12 @@ impl Identity {
                 bijective: true,
                 same_complex: true,
                 patches_are_discs: true,
+                positive: true,
                 min_orientation: 1.0,
             },
-            images: &[("mask.exr".to_owned(), b"mask".to_vec())],
+            images: Some(&images),
             device: "CPU",
-            warnings: &[],
+            warnings: Vec::new(),
         };
         write(&product, dir, || [("total", 0.5)].into()).expect("the place is free")
     }
@@ -324,7 +337,12 @@ fn a_map_is_written_with_all_its_files() {
     for name in names.into_iter().chain(["geometry/mask.exr", "layout.json", "report.json"]) {
         assert!(scratch.out().join(name).is_file(), "{name}");
     }
-    let back = read_points(&scratch.out().join("source_on_target.csv"), &identity.mesh).expect("our own file");
+    let back = read_points(
+        &scratch.out().join("source_on_target.csv"),
+        identity.mesh.positions.len(),
+        Onto { mesh: &identity.mesh, triangles: &identity.mesh.faces() },
+    )
+    .expect("our own file");
     assert_eq!(back, identity.image);
     let mesh = read_mesh(&scratch.out().join("source_on_target.obj")).expect("our own file");
     assert_eq!((mesh.positions, mesh.corners), (identity.file.positions, identity.file.corners));

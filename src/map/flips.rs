@@ -7,18 +7,24 @@ use super::distortion::DEGENERATE_SHARE;
 use crate::mesh::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use glam::DVec3;
 
-/// The triangles of `mesh` that are collapsed or turned over on `target`, in order; `points` are the vertices' images.
+/// The triangles of `mesh` that are collapsed or turned over on `target`, in order.
+///
+/// `points` are the vertices' images (None without one, for a vertex that no face uses), `image` their positions.
 ///
 /// Turned over: the image's normal opposes the normals of *all* faces of the target that carry one of its three image
 /// points (a point on an edge or vertex is carried by every face there). Degenerate target faces have no normal and
 /// do not vote; without a vote a triangle counts as sound.
-pub fn flips_on_target(mesh: &TriMesh, target: &TriMesh, points: &IdVec<VertexId, SurfacePoint>) -> Vec<FaceId> {
-    let image = points.iter().map(|p| p.position(target)).collect();
+pub fn flips_on_target(
+    mesh: &TriMesh,
+    target: &TriMesh,
+    points: &IdVec<VertexId, Option<SurfacePoint>>,
+    image: &IdVec<VertexId, DVec3>,
+) -> Vec<FaceId> {
     let normals: IdVec<FaceId, DVec3> = target.conn.faces().map(|f| area_vector(target.triangle(f))).collect();
     let mut carriers = Vec::new();
-    turned(&mesh.faces(), &image, |t, normal| {
+    turned(&mesh.faces(), image, |t, normal| {
         carriers.clear();
-        t.iter().for_each(|&v| push_carriers(target, points[v], &mut carriers));
+        t.iter().filter_map(|&v| points[v]).for_each(|p| push_carriers(target, p, &mut carriers));
         opposes_all(normal, carriers.iter().map(|&g| normals[g]))
     })
 }
@@ -88,14 +94,19 @@ mod tests {
         TriMesh::new(positions, &faces).expect("a fan is a manifold")
     }
 
-    fn identity(mesh: &TriMesh) -> IdVec<VertexId, SurfacePoint> {
-        mesh.conn.vertices().map(SurfacePoint::Vertex).collect()
+    fn identity(mesh: &TriMesh) -> IdVec<VertexId, Option<SurfacePoint>> {
+        mesh.conn.vertices().map(|v| Some(SurfacePoint::Vertex(v))).collect()
+    }
+
+    fn flips(mesh: &TriMesh, points: &IdVec<VertexId, Option<SurfacePoint>>) -> Vec<FaceId> {
+        let image = points.iter().map(|p| p.map_or(DVec3::ZERO, |p| p.position(mesh))).collect();
+        flips_on_target(mesh, mesh, points, &image)
     }
 
     #[test]
     fn the_identity_has_no_flips() {
         let mesh = fan();
-        assert!(flips_on_target(&mesh, &mesh, &identity(&mesh)).is_empty());
+        assert!(flips(&mesh, &identity(&mesh)).is_empty());
         assert!(local_flips(&mesh.faces(), &mesh.positions).is_empty());
     }
 
@@ -106,16 +117,16 @@ mod tests {
     fn a_vertex_mapped_across_an_edge_turns_its_triangle_over() {
         let mesh = fan();
         let mut points = identity(&mesh);
-        points[VertexId(1)] = SurfacePoint::Face(FaceId(1), [0.2, 0.4, 0.4]);
-        assert_eq!(flips_on_target(&mesh, &mesh, &points), [FaceId(0)]);
+        points[VertexId(1)] = Some(SurfacePoint::Face(FaceId(1), [0.2, 0.4, 0.4]));
+        assert_eq!(flips(&mesh, &points), [FaceId(0)]);
     }
 
     #[test]
     fn a_triangle_mapped_onto_one_edge_is_collapsed() {
         let mesh = fan();
         let mut points = identity(&mesh);
-        points[VertexId(1)] = SurfacePoint::Edge(corner(FaceId(1), 0), 0.5);
-        assert!(flips_on_target(&mesh, &mesh, &points).contains(&FaceId(0)));
+        points[VertexId(1)] = Some(SurfacePoint::Edge(corner(FaceId(1), 0), 0.5));
+        assert!(flips(&mesh, &points).contains(&FaceId(0)));
     }
 
     #[test]

@@ -1,7 +1,9 @@
 //! `layout.json`: the base complex and the arcs on both meshes.
 
 use super::base_complex::{BaseComplex, DirectedArc};
-use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh, VertexId};
+use super::file_order::Onto;
+use super::tile_table::{ArcEntry, TileTable};
+use crate::mesh::{ArcId, IdVec, SurfacePoint, VertexId};
 use serde::Serialize;
 
 /// The content of `layout.json`.
@@ -12,7 +14,9 @@ pub struct LayoutFile {
     /// The two landmarks of every arc.
     pub arcs: Vec<[u32; 2]>,
     /// The three sides of every patch, counter-clockwise.
-    pub patches: Vec<[SideEntry; 3]>,
+    pub patches: Vec<[ArcEntry; 3]>,
+    /// The atlas of the geometry images, null without images.
+    pub atlas: Option<TileTable>,
     /// The arcs on the source, in the order of `arcs`, each from its first end to its second.
     pub source: Vec<Polyline>,
     /// The arcs on the target, likewise.
@@ -28,15 +32,6 @@ pub struct LandmarkEntry {
     pub source_vertex: u32,
     /// Its vertex of the target, 0-based.
     pub target_vertex: u32,
-}
-
-/// One side of a patch.
-#[derive(Debug, Serialize)]
-pub struct SideEntry {
-    /// The arc's number.
-    pub arc: u32,
-    /// True if the side runs from the arc's second end to its first.
-    pub reversed: bool,
 }
 
 /// One arc on one mesh.
@@ -74,34 +69,30 @@ pub enum PointEntry {
 }
 
 impl PointEntry {
-    /// The entry for a point on `mesh`.
-    pub fn new(point: SurfacePoint, mesh: &TriMesh) -> Self {
+    /// The entry for a point on a mesh.
+    pub fn new(point: SurfacePoint, onto: Onto) -> Self {
+        let mesh = onto.mesh;
         match point {
             SurfacePoint::Vertex(VertexId(vertex)) => PointEntry::Vertex { vertex },
             SurfacePoint::Edge(h, t) => PointEntry::Edge { edge: [mesh.conn.from(h).0, mesh.conn.to(h).0], t },
-            SurfacePoint::Face(f, bary) => PointEntry::Face { face: f.0, bary },
+            SurfacePoint::Face(f, b) => PointEntry::Face { face: f.0, bary: onto.to_file_order(f, b) },
         }
     }
 }
 
-impl From<DirectedArc> for SideEntry {
-    fn from(side: DirectedArc) -> Self {
-        SideEntry { arc: side.arc.0, reversed: side.reversed }
-    }
-}
-
 /// The arcs and patches of a base complex as plain numbers.
-pub fn base_entries(base: &BaseComplex) -> (Vec<[u32; 2]>, Vec<[SideEntry; 3]>) {
+pub fn base_entries(base: &BaseComplex) -> (Vec<[u32; 2]>, Vec<[ArcEntry; 3]>) {
     let arcs = base.arcs.iter().map(|ends| ends.map(|l| l.0)).collect();
-    let patches = base.patches.iter().map(|sides| sides.map(SideEntry::from)).collect();
+    let side = |side: DirectedArc| ArcEntry { arc: side.arc.0, reversed: side.reversed };
+    let patches = base.patches.iter().map(|sides| sides.map(side)).collect();
     (arcs, patches)
 }
 
 /// The arcs of one mesh.
-pub fn polylines(arcs: &IdVec<ArcId, Vec<SurfacePoint>>, mesh: &TriMesh) -> Vec<Polyline> {
+pub fn polylines(arcs: &IdVec<ArcId, Vec<SurfacePoint>>, onto: Onto) -> Vec<Polyline> {
     let polyline = |points: &Vec<SurfacePoint>| Polyline {
-        points: points.iter().map(|&p| PointEntry::new(p, mesh)).collect(),
-        xyz: points.iter().map(|p| p.position(mesh).to_array()).collect(),
+        points: points.iter().map(|&p| PointEntry::new(p, onto)).collect(),
+        xyz: points.iter().map(|p| p.position(onto.mesh).to_array()).collect(),
     };
     arcs.iter().map(polyline).collect()
 }
@@ -109,7 +100,7 @@ pub fn polylines(arcs: &IdVec<ArcId, Vec<SurfacePoint>>, mesh: &TriMesh) -> Vec<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{FaceId, HalfedgeId};
+    use crate::mesh::{FaceId, HalfedgeId, TriMesh};
     use glam::DVec3;
 
     #[test]
@@ -121,7 +112,7 @@ mod tests {
             SurfacePoint::Edge(HalfedgeId(1), 0.25),
             SurfacePoint::Face(FaceId(0), [0.5, 0.25, 0.25]),
         ];
-        let lines = polylines(&IdVec::from_raw(vec![points]), &mesh);
+        let lines = polylines(&IdVec::from_raw(vec![points]), Onto { mesh: &mesh, triangles: &mesh.faces() });
         assert_eq!(
             serde_json::to_string(&lines).expect("plain data"),
             concat!(

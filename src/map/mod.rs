@@ -4,6 +4,7 @@ pub mod atlas;
 pub mod certificate;
 pub mod distortion;
 pub mod embedding;
+pub mod file_order;
 pub mod flips;
 pub mod layout_file;
 pub mod product;

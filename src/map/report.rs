@@ -1,5 +1,6 @@
 //! `report.json`: what was mapped, how, how well, how long it took.
 
+use super::certificate::Certificate;
 use super::distortion::Distortion;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -61,20 +62,6 @@ pub struct LayoutSummary {
     pub postponed: usize,
     /// Arcs that were flipped on both meshes at once to lower distortion.
     pub flips: usize,
-}
-
-/// Why a finished map is a homeomorphism: (a) and (b) are combinatorial, (c) is decided by an exact predicate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Certificate {
-    /// All three conditions hold.
-    pub bijective: bool,
-    /// (a) Both layouts carry the same base complex.
-    pub same_complex: bool,
-    /// (b) Every patch of both cut meshes is a disc.
-    pub patches_are_discs: bool,
-    /// (c) The smallest orientation determinant of an embedded triangle, in units of its base triangle's; positive if
-    /// nothing is turned over.
-    pub min_orientation: f64,
 }
 
 /// Largest resident memory of this process so far, in bytes; 0 where the system does not say.

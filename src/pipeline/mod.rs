@@ -10,6 +10,7 @@
 //! A job that fails keeps travelling as its error, so the outcomes come in the order of the jobs. A panic in a stage is
 //! caught and becomes an error of that job alone.
 
+mod images;
 mod job;
 mod line;
 mod observer;

@@ -1,18 +1,23 @@
 //! The list of stages, in the order in which a job passes them, and the line they make.
 
+use super::images::geometry_images;
 use super::job::{MapJob, MapOptions};
 use super::line::{Line, Outcome};
 use super::observer::Observer;
 use super::pair::Pair;
-use crate::error::{Error, Result};
-use crate::gpu::Device;
-use crate::map::report::Report;
+use crate::gpu::{Compute, Device};
+use crate::map::embedding::Embedding;
+use crate::map::product::{GeometryImages, Product, Side};
+use crate::map::report::{LayoutSummary, Report};
 use crate::mesh::{TriMesh, VertexId};
-use crate::stage::check::{Checked, check};
+use crate::stage::check::{Checked, LoadedMesh, check};
 use crate::stage::cluster::cluster;
-use crate::stage::layout::layout;
+use crate::stage::compose::{Composed, compose};
+use crate::stage::embed::embed;
+use crate::stage::layout::{Layout, layout};
 use crate::stage::load::{LoadOptions, load};
 use crate::stage::trace::trace;
+use crate::stage::write::write;
 use std::thread;
 
 /// Maps pairs: every job passes all stages; `take` gets the outcomes in the order of the jobs.
@@ -25,6 +30,8 @@ pub fn run_maps(
     observer: &dyn Observer,
     take: impl FnMut(Outcome<Report>),
 ) {
+    let device_line = device_line(&device);
+    let compute = &device.compute;
     thread::scope(|scope| {
         Line::start(scope, observer, jobs)
             .then(Stage::Load, |job: MapJob, step| {
@@ -60,17 +67,90 @@ pub fn run_maps(
                     Ok(layout)
                 })
             })
-            .then(Stage::Embed, move |pair, _| {
-                let _ = (options, &device);
-                pair.then(|_, _| -> Result<()> { Err(Error::bug("the stages from embed on are not joined yet")) })
+            .then(Stage::Embed, |pair, _| {
+                pair.then(|checked, layout| {
+                    let summary = summary(&layout);
+                    let (embedding, notes) = embed(meshes(checked), layout)?;
+                    Ok(Embedded { summary, embedding, notes })
+                })
             })
-            .then(Stage::Write, |_, _| Err(Error::bug("the stages from embed on are not joined yet")))
+            .then(Stage::Compose, |pair, step| {
+                pair.then(|checked, Embedded { summary, embedding, notes }| {
+                    let composed = compose(meshes(checked), embedding)?;
+                    step.detail(format!("certified: {}", composed.certificate.bijective));
+                    Ok(Finished { summary, composed, notes, images: None })
+                })
+            })
+            .then(Stage::Bake, |pair, step| {
+                pair.then(|checked, finished| {
+                    let images = geometry_images(compute, meshes(checked), &finished.composed, options.image)?;
+                    step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
+                    Ok(Finished { images, ..finished })
+                })
+            })
+            .then(Stage::Write, |pair, step| write(&product(&pair, &device_line), &pair.out, || step.seconds()))
             .finish(take);
     });
 }
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4.2: b = 3).
 const EDGE_NODES: u32 = 3;
+
+/// The product of the embed stage.
+struct Embedded {
+    summary: LayoutSummary,
+    embedding: Embedding,
+    notes: Vec<String>,
+}
+
+/// The product of the last stages before writing.
+struct Finished {
+    summary: LayoutSummary,
+    composed: Composed,
+    notes: Vec<String>,
+    images: Option<GeometryImages>,
+}
+
+fn summary(layout: &Layout) -> LayoutSummary {
+    LayoutSummary {
+        kind: "voronoi",
+        arcs: layout.base.arcs.len(),
+        patches: layout.base.patches.len(),
+        postponed: layout.postponed,
+        flips: 0,
+    }
+}
+
+/// What is written, by reference.
+fn product<'a>(pair: &'a Pair<Finished>, device: &'a str) -> Product<'a> {
+    let Pair { checked, made, .. } = pair;
+    let side = |k: usize, mesh: &'a LoadedMesh| Side {
+        file: &mesh.file,
+        mesh: &mesh.mesh,
+        arcs: &made.composed.arcs[k],
+        image: &made.composed.maps[k].images,
+    };
+    Product {
+        source: side(0, &checked.source),
+        target: side(1, &checked.target),
+        landmarks: &checked.landmarks,
+        base: &made.composed.embedding.base,
+        layout: made.summary.clone(),
+        certificate: made.composed.certificate,
+        images: made.images.as_ref(),
+        device,
+        warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
+    }
+}
+
+/// The device in the report; without the number of threads, on which no result depends.
+fn device_line(device: &Device) -> String {
+    let name = match device.compute {
+        Compute::Cpu => "CPU",
+        Compute::Gpu(_) => &device.description,
+    };
+    device.note.as_ref().map_or(name.to_owned(), |note| format!("{name}; {note}"))
+}
 
 fn meshes(checked: &Checked) -> [&TriMesh; 2] {
     [&checked.source.mesh, &checked.target.mesh]

@@ -4,6 +4,7 @@ pub mod bake;
 pub mod carry;
 pub mod check;
 pub mod cluster;
+pub mod compose;
 pub mod embed;
 pub mod exr;
 pub mod layout;

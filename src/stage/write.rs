@@ -6,12 +6,12 @@ pub mod points_csv;
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;
-use crate::map::layout_file::{LandmarkEntry, LayoutFile, base_entries, polylines};
+use crate::map::file_order::Onto;
+use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
 use crate::map::product::{Product, Side};
 use crate::map::report::{Report, peak_bytes};
 use crate::mesh::io::write_obj;
 use folder::REPORT_FILE;
-use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -22,12 +22,12 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
     let folder = OutputFolder::create(dir)?;
     write_side(&folder, "source_on_target", &product.source, &product.target)?;
     write_side(&folder, "target_on_source", &product.target, &product.source)?;
-    for (name, bytes) in product.images {
+    for (name, bytes) in product.images.iter().flat_map(|images| &images.files) {
         folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
     }
-    write_json(&folder, "layout.json", &layout_file(product))?;
+    folder.write("layout.json", |out| Ok(serde_json::to_writer(out, &layout_file(product))?))?;
     let report = report(product, seconds);
-    write_json(&folder, REPORT_FILE, &report)?;
+    folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
     folder.commit()?;
     Ok(report)
 }
@@ -35,15 +35,10 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
 /// The compatible mesh of `side` at the shape of `other`, and its vertices' places there.
 fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> Result<()> {
     let positions = side.image_positions(other);
+    let triangles = other.file.triangles();
+    let onto = Onto { mesh: other.mesh, triangles: &triangles };
     folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, side.file, &positions.raw))?;
-    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, other.mesh))
-}
-
-fn write_json(folder: &OutputFolder, name: &str, value: &impl Serialize) -> Result<()> {
-    folder.write(name, |out| {
-        serde_json::to_writer_pretty(&mut *out, value)?;
-        out.write_all(b"\n")
-    })
+    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, onto))
 }
 
 fn layout_file(product: &Product) -> LayoutFile {
@@ -58,15 +53,20 @@ fn layout_file(product: &Product) -> LayoutFile {
         landmarks: given.names.iter().enumerate().map(landmark).collect(),
         arcs,
         patches,
-        source: polylines(product.source.arcs, product.source.mesh),
-        target: polylines(product.target.arcs, product.target.mesh),
+        atlas: product.images.map(|images| images.table.clone()),
+        source: side_arcs(&product.source),
+        target: side_arcs(&product.target),
     }
+}
+
+fn side_arcs(side: &Side) -> Vec<Polyline> {
+    polylines(side.arcs, Onto { mesh: side.mesh, triangles: &side.file.triangles() })
 }
 
 fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
     let forward = product.source.distortion(&product.target);
     let backward = product.target.distortion(&product.source);
-    let mut warnings = product.warnings.to_vec();
+    let mut warnings = product.warnings.clone();
     warnings.extend(flip_warning("source_on_target.obj", forward.forward.flips));
     warnings.extend(flip_warning("target_on_source.obj", backward.forward.flips));
     Report {
