@@ -17,6 +17,7 @@ mod observer;
 mod pair;
 mod panics;
 pub mod stages;
+mod steps;
 
 pub use job::{MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};

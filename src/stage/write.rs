@@ -67,6 +67,9 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
     let forward = product.source.distortion(&product.target);
     let backward = product.target.distortion(&product.source);
     let mut warnings = product.warnings.clone();
+    if !product.certificate.bijective {
+        warnings.push("the map is NOT certified: see certificate for the condition that fails".to_owned());
+    }
     warnings.extend(flip_warning("source_on_target.obj", forward.forward.flips));
     warnings.extend(flip_warning("target_on_source.obj", backward.forward.flips));
     Report {
