@@ -1,4 +1,5 @@
-//! Solvers: matchings, the energy of mapped triangles.
+//! Solvers: colouring, the energy of mapped triangles, matchings.
 
+pub mod coloring;
 pub mod dirichlet;
 pub mod matching;
