@@ -132,7 +132,8 @@ mod tests {
 
     #[test]
     fn sizes_are_whole_units_of_sixteen_and_never_zero() {
-        let expected = [(0, 4, 16), (1, 4, 16), (3, 4, 16), (4, 4, 16), (5, 4, 32), (1, 12, 16), (3, 12, 48), (1, 24, 32)];
+        let expected =
+            [(0, 4, 16), (1, 4, 16), (3, 4, 16), (4, 4, 16), (5, 4, 32), (1, 12, 16), (3, 12, 48), (1, 24, 32)];
         for (len, size, bytes) in expected {
             assert_eq!(padded_size(len, size), bytes, "{len} elements of {size} bytes");
         }

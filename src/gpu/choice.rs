@@ -118,7 +118,9 @@ pub fn select(choice: &DeviceChoice, adapters: &[AdapterInfo], required: bool) -
             best(&|a| a.name.to_lowercase().contains(&name)).ok_or_else(|| not_named(&name, adapters))
         }
         DeviceChoice::Auto if required && adapters.is_empty() => Err(none_found()),
-        DeviceChoice::Auto => Ok(best(&|a| !a.kind.is_software()).unwrap_or_else(|| Pick::Cpu(Some(fallback(adapters))))),
+        DeviceChoice::Auto => {
+            Ok(best(&|a| !a.kind.is_software()).unwrap_or_else(|| Pick::Cpu(Some(fallback(adapters)))))
+        }
     }
 }
 

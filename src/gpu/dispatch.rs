@@ -106,9 +106,16 @@ impl GpuDevice {
             .enumerate()
             .map(|(i, buffer)| wgpu::BindGroupEntry { binding: i as u32, resource: buffer.as_entire_binding() })
             .collect();
-        let descriptor =
-            wgpu::BindGroupDescriptor { label: Some(name), layout: &pipeline.groups, entries: &entries };
+        let descriptor = wgpu::BindGroupDescriptor { label: Some(name), layout: &pipeline.groups, entries: &entries };
         self.device.create_bind_group(&descriptor)
+    }
+
+    /// Elements of type `T` that one storage buffer can hold, and few enough that one dispatch covers them: the piece
+    /// in which to send long lists through a kernel.
+    pub fn stream_len<T>(&self) -> usize {
+        let most = u64::from(self.limits.max_compute_workgroups_per_dimension) * u64::from(WORKGROUP);
+        let bytes = self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size);
+        (bytes / size_of::<T>() as u64).min(most) as usize
     }
 
     /// Runs launches one after the other, each seeing what those before it wrote, without waiting for the last.

@@ -19,4 +19,4 @@ mod dispatch;
 pub use buffer::{GpuBuffer, padded_size};
 pub use choice::{AdapterInfo, AdapterKind, DeviceChoice, Pick, REQUIRE_GPU, select};
 pub use device::{Compute, Device, GpuDevice, adapters};
-pub use dispatch::{Access, Kernel, Launch, Span, WORKGROUP, spans};
+pub use dispatch::{Access, Bindable, Kernel, Launch, Span, WORKGROUP, spans};

@@ -1,3 +1,4 @@
-//! Solvers: matchings.
+//! Solvers: colouring, matchings.
 
+pub mod coloring;
 pub mod matching;
