@@ -4,6 +4,7 @@ use std::mem::offset_of;
 
 use homeo::gpu::{Kernel, Span};
 use homeo::kernel::relax::RelaxParams;
+use homeo::kernel::vertex_stretch::VertexStretchParams;
 use homeo::kernel::{ALL, Query, Stretch, relax, resample, stretch, vertex_stretch};
 
 fn parse(kernel: &Kernel) -> naga::Module {
@@ -35,6 +36,7 @@ fn structs_have_the_same_layout() {
         assert_eq!(in_wgsl(kernel, "Triangle"), (corners.collect(), size_of::<[u32; 3]>()));
     }
     assert_layout!(relax::KERNEL, RelaxParams { first, count, step, unused });
+    assert_layout!(vertex_stretch::KERNEL, VertexStretchParams { first, count, power, unused });
     assert_layout!(resample::KERNEL, Query { i0, i1, i2, w0, w1, w2 });
 }
 
@@ -56,8 +58,8 @@ fn constants_have_the_same_value() {
     assert_eq!(constant(&stretch::KERNEL, "MAX_LENGTH"), stretch::MAX_LENGTH.into());
     assert_eq!(constant(&stretch::KERNEL, "MIN_DOUBLE_AREA"), stretch::MIN_DOUBLE_AREA.into());
     assert_eq!(constant(&stretch::KERNEL, "MIN_SQUARE"), stretch::MIN_SQUARE.into());
-    assert_eq!(constant(&vertex_stretch::KERNEL, "MIN_SIGMA"), vertex_stretch::MIN_SIGMA.into());
-    assert_eq!(constant(&vertex_stretch::KERNEL, "MAX_SIGMA"), vertex_stretch::MAX_SIGMA.into());
+    assert_eq!(constant(&vertex_stretch::KERNEL, "MIN_MEAN"), vertex_stretch::MIN_MEAN.into());
+    assert_eq!(constant(&vertex_stretch::KERNEL, "MAX_MEAN"), vertex_stretch::MAX_MEAN.into());
     assert_eq!(constant(&relax::KERNEL, "TRIES"), relax::TRIES.into());
     assert_eq!(constant(&relax::KERNEL, "MIN_SHARE"), relax::MIN_SHARE.into());
     assert_eq!(constant(&relax::KERNEL, "AREA_ERROR"), relax::AREA_ERROR.into());

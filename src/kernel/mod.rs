@@ -8,6 +8,7 @@
 //! and the one that storage buffers align without holes. [`relax_session`] joins three kernels into the relaxation of
 //! many patches at once.
 
+mod normalise;
 pub mod relax;
 pub mod relax_session;
 pub mod resample;

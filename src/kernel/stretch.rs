@@ -96,11 +96,11 @@ fn of_triangle(source: [Lanes; 3], image: [Lanes; 3]) -> Stretch {
     let image_unit = longest(p, q);
     let mut result = Stretch::default();
     let mut image_twice = 0.0;
-    if image_unit >= MIN_LENGTH && image_unit <= MAX_LENGTH {
+    if (MIN_LENGTH..=MAX_LENGTH).contains(&image_unit) {
         image_twice = double_area(over(p, image_unit), over(q, image_unit));
         result.area_to = 0.5 * image_twice * image_unit * image_unit;
     }
-    if unit >= MIN_LENGTH && unit <= MAX_LENGTH && image_unit <= MAX_LENGTH {
+    if (MIN_LENGTH..=MAX_LENGTH).contains(&unit) && image_unit <= MAX_LENGTH {
         let (u, w) = (over(u, unit), over(w, unit));
         let twice = double_area(u, w);
         if twice >= MIN_DOUBLE_AREA {
