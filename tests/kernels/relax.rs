@@ -79,27 +79,28 @@ fn shaken(disc: &Hexagon, random: &mut Random) -> Vec<Lanes> {
     plane
 }
 
+/// Weights and stretches over many orders of magnitude drive vertices onto their neighbours: most steps are cut short.
 #[test]
 fn no_triangle_ever_turns_over_seed_12() {
     let mut random = Random(12);
-    let mut devices = vec![Compute::Cpu];
-    devices.extend(device().map(|(gpu, _)| gpu));
+    let gpu = device();
     let disc = hexagon(9);
     let rings = disc.rings();
     for round in 0..6 {
-        let mut plane = shaken(&disc, &mut random);
-        // Weights and stretches over many orders of magnitude drive vertices onto their neighbours.
         let wild = |random: &mut Random| 10f64.powf(2.0 * f64::from(round) * random.signed()) as f32;
-        let weights: Vec<f32> = rings.lists().items.iter().map(|_| wild(&mut random)).collect();
+        let mut plane = shaken(&disc, &mut random);
         let before = plane.clone();
+        let weights: Vec<f32> = rings.lists().items.iter().map(|_| wild(&mut random)).collect();
         for _ in 0..20 {
             let sigma: Vec<f32> = plane.iter().map(|_| wild(&mut random)).collect();
-            for compute in &devices {
-                let mut on_this = plane.clone();
-                sweep(compute, &rings, &weights, &sigma, &mut on_this);
-                assert_eq!(folded(&disc.triangles, &on_this), None, "round {round} on {compute:?}");
-            }
+            let mut on_gpu = plane.clone();
             sweep(&Compute::Cpu, &rings, &weights, &sigma, &mut plane);
+            assert_eq!(folded(&disc.triangles, &plane), None, "round {round}");
+            if let Some((gpu, exact)) = &gpu {
+                sweep(gpu, &rings, &weights, &sigma, &mut on_gpu);
+                assert_eq!(folded(&disc.triangles, &on_gpu), None, "round {round} on the adapter");
+                assert!(!exact || on_gpu == plane, "round {round}: the adapter stepped back differently");
+            }
         }
         assert_ne!(plane, before);
         assert!((0..plane.len()).all(|v| disc.free[v] || plane[v] == before[v]), "a fixed vertex moved");
