@@ -138,5 +138,6 @@ pub fn lanes(plane: &[DVec2]) -> Vec<Lanes> {
 pub fn folded(triangles: &[[u32; 3]], plane: &[Lanes]) -> Option<usize> {
     let at = |v: u32| robust::Coord { x: f64::from(plane[v as usize][0]), y: f64::from(plane[v as usize][1]) };
     // Phrased positively, so that NaN counts as folded.
-    triangles.iter().position(|&[a, b, c]| !(robust::orient2d(at(a), at(b), at(c)) > 0.0))
+    let upright = |&[a, b, c]: &[u32; 3]| robust::orient2d(at(a), at(b), at(c)) > 0.0;
+    triangles.iter().position(|t| !upright(t))
 }
