@@ -47,7 +47,7 @@ pub struct RelaxOptions {
     /// Number of sweeps; 0 does nothing.
     pub sweeps: u32,
     /// Length of the first step tried, in units of the way to the weighted mean: 1 (the default) is Gauss-Seidel. More
-    /// is faster where it settles at all: up to 1.4 with `power` at most 2.
+    /// is faster where it settles at all: up to 1.2 with `power` at most 2.
     pub step: f32,
     /// How strongly stretch drives the weights, see [`vertex_stretch`]: 1 is the published `w / sigma` without
     /// accumulation, 3 (the default, and the most) ends lowest on unevenly stretched patches.
