@@ -36,8 +36,11 @@ fn longest(u: vec3<f32>, w: vec3<f32>) -> f32 {
 // Singular values of the map that takes edges u, w (spanning `twice` the triangle's area) to edges p, q.
 fn singular_values(u: vec3<f32>, w: vec3<f32>, twice: f32, p: vec3<f32>, q: vec3<f32>, image_twice: f32) -> vec2<f32> {
     let width = sqrt(dot3(u, u));
-    let x = p / width;
-    let y = (q - x * (dot3(u, w) / width)) / (twice / width);
+    let per_width = 1.0 / width;
+    let per_area = 1.0 / twice;
+    let x = p * per_width;
+    let shear = dot3(u, w) * per_width;
+    let y = (q - x * shear) * (width * per_area);
     let a = dot3(x, x);
     let b = dot3(x, y);
     let c = dot3(y, y);
@@ -45,7 +48,7 @@ fn singular_values(u: vec3<f32>, w: vec3<f32>, twice: f32, p: vec3<f32>, q: vec3
     if (!(large > 0.0)) {
         return vec2<f32>(0.0, 0.0);
     }
-    return vec2<f32>(large, min(image_twice / twice / large, large));
+    return vec2<f32>(large, min(image_twice * per_area / large, large));
 }
 
 @compute @workgroup_size(64)
@@ -62,18 +65,23 @@ fn stretch(@builtin(global_invocation_id) id: vec3<u32>) {
     let unit = longest(u, w);
     let image_unit = longest(p, q);
     var result = Stretch(0.0, 0.0, 0.0, 0.0);
-    var image_twice = 0.0;
-    if (image_unit >= MIN_LENGTH && image_unit <= MAX_LENGTH) {
-        image_twice = double_area(p / image_unit, q / image_unit);
-        result.area_to = 0.5 * image_twice * image_unit * image_unit;
-    }
     if (unit >= MIN_LENGTH && unit <= MAX_LENGTH && image_unit <= MAX_LENGTH) {
-        let twice = double_area(u / unit, w / unit);
+        let per_unit = 1.0 / unit;
+        let su = u * per_unit;
+        let sw = w * per_unit;
+        let twice = double_area(su, sw);
         if (twice >= MIN_DOUBLE_AREA) {
             result.area_from = 0.5 * twice * unit * unit;
-            if (image_unit >= MIN_LENGTH) {
+        }
+        if (image_unit >= MIN_LENGTH) {
+            let per_image_unit = 1.0 / image_unit;
+            let sp = p * per_image_unit;
+            let sq = q * per_image_unit;
+            let image_twice = double_area(sp, sq);
+            result.area_to = 0.5 * image_twice * image_unit * image_unit;
+            if (twice >= MIN_DOUBLE_AREA) {
+                let s = singular_values(su, sw, twice, sp, sq, image_twice);
                 let ratio = image_unit / unit;
-                let s = singular_values(u / unit, w / unit, twice, p / image_unit, q / image_unit, image_twice);
                 result.large = s.x * ratio;
                 result.small = s.y * ratio;
             }

@@ -1,11 +1,20 @@
-// Stretch at every vertex: the mean stretch of its triangles, weighted by their areas in the image.
-// Reference: src/kernel/vertex_stretch.rs.
+// Stretch at every vertex: the mean stretch of its triangles, weighted by their areas in the image, and what the
+// relaxation makes of it. Reference: src/kernel/vertex_stretch.rs.
 
-// A vertex stretch is kept in this range, so that weights divided by it stay positive and finite.
-const MIN_SIGMA: f32 = 1e-12;
-const MAX_SIGMA: f32 = 1e12;
+// The mean is kept in this range, so that its powers, and weights divided by them, stay positive and finite.
+const MIN_MEAN: f32 = 1e-6;
+const MAX_MEAN: f32 = 1e6;
 
-@group(0) @binding(0) var<uniform> params: Span;
+struct VertexStretchParams {
+    // The vertices of this dispatch: first .. first + count.
+    first: u32,
+    count: u32,
+    // 0: sigma becomes the mean. 1 to 3: sigma becomes the geometric mean of its old value and this power of the mean.
+    power: u32,
+    unused: u32,
+}
+
+@group(0) @binding(0) var<uniform> params: VertexStretchParams;
 @group(0) @binding(1) var<storage, read> starts: array<u32>;
 @group(0) @binding(2) var<storage, read> incident: array<u32>;
 @group(0) @binding(3) var<storage, read> stretches: array<Stretch>;
@@ -29,7 +38,15 @@ fn vertex_stretch(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     var mean = 1.0;
     if (area > 0.0) {
-        mean = min(max(weighted / area, MIN_SIGMA), MAX_SIGMA);
+        mean = min(max(weighted / area, MIN_MEAN), MAX_MEAN);
     }
-    sigma[v] = mean;
+    if (params.power == 0u) {
+        sigma[v] = mean;
+        return;
+    }
+    var product = sigma[v];
+    for (var i = 0u; i < params.power; i += 1u) {
+        product = product * mean;
+    }
+    sigma[v] = sqrt(product);
 }

@@ -15,7 +15,7 @@ pub enum Compute {
     /// The CPU twins.
     Cpu,
     /// An adapter behind wgpu.
-    Gpu(GpuDevice),
+    Gpu(Box<GpuDevice>),
 }
 
 /// An opened device and what the report says about it.
@@ -46,7 +46,9 @@ impl Device {
             Pick::Adapter(i) => i,
         };
         match GpuDevice::open(&adapters[i], infos[i].clone()) {
-            Ok(gpu) => Ok(Device { description: infos[i].to_string(), compute: Compute::Gpu(gpu), note: None }),
+            Ok(gpu) => {
+                Ok(Device { description: infos[i].to_string(), compute: Compute::Gpu(Box::new(gpu)), note: None })
+            }
             Err(error) if *choice == DeviceChoice::Auto && !required => {
                 Ok(Device::cpu(Some(format!("{}: computed on the CPU", error.what))))
             }

@@ -44,7 +44,7 @@ pub fn resample(compute: &Compute, queries: &[Query], values: &[Lanes]) -> Resul
     }
 }
 
-/// Queries go through in pieces a device can bind at once, the values stays.
+/// Queries go through in pieces a device can bind at once, the values stay.
 fn on_device(gpu: &GpuDevice, queries: &[Query], values: &[Lanes]) -> Result<Vec<Lanes>> {
     let values = gpu.upload("values", values)?;
     let mut result = Vec::with_capacity(queries.len());

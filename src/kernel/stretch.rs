@@ -95,23 +95,26 @@ fn of_triangle(source: [Lanes; 3], image: [Lanes; 3]) -> Stretch {
     let unit = longest(u, w);
     let image_unit = longest(p, q);
     let mut result = Stretch::default();
-    let mut image_twice = 0.0;
-    if image_unit >= MIN_LENGTH && image_unit <= MAX_LENGTH {
-        image_twice = double_area(over(p, image_unit), over(q, image_unit));
-        result.area_to = 0.5 * image_twice * image_unit * image_unit;
+    // Positively phrased: NaN fails, and leaves all zero.
+    if !((MIN_LENGTH..=MAX_LENGTH).contains(&unit) && image_unit <= MAX_LENGTH) {
+        return result;
     }
-    if unit >= MIN_LENGTH && unit <= MAX_LENGTH && image_unit <= MAX_LENGTH {
-        let (u, w) = (over(u, unit), over(w, unit));
-        let twice = double_area(u, w);
+    let per_unit = 1.0 / unit;
+    let (u, w) = (times(u, per_unit), times(w, per_unit));
+    let twice = double_area(u, w);
+    if twice >= MIN_DOUBLE_AREA {
+        result.area_from = 0.5 * twice * unit * unit;
+    }
+    if image_unit >= MIN_LENGTH {
+        let per_unit = 1.0 / image_unit;
+        let (p, q) = (times(p, per_unit), times(q, per_unit));
+        let image_twice = double_area(p, q);
+        result.area_to = 0.5 * image_twice * image_unit * image_unit;
         if twice >= MIN_DOUBLE_AREA {
-            result.area_from = 0.5 * twice * unit * unit;
-            if image_unit >= MIN_LENGTH {
-                let ratio = image_unit / unit;
-                let (p, q) = (over(p, image_unit), over(q, image_unit));
-                let (large, small) = singular_values(u, w, twice, p, q, image_twice);
-                result.large = large * ratio;
-                result.small = small * ratio;
-            }
+            let (large, small) = singular_values(u, w, twice, p, q, image_twice);
+            let ratio = image_unit / unit;
+            result.large = large * ratio;
+            result.small = small * ratio;
         }
     }
     result
@@ -120,13 +123,15 @@ fn of_triangle(source: [Lanes; 3], image: [Lanes; 3]) -> Stretch {
 /// Singular values of the map that takes edges `u`, `w` (spanning `twice` the triangle's area) to edges `p`, `q`.
 fn singular_values(u: Vec3, w: Vec3, twice: f32, p: Vec3, q: Vec3, image_twice: f32) -> (f32, f32) {
     let width = dot3(u, u).sqrt();
-    let x = over(p, width);
-    let shear = dot3(u, w) / width;
-    let y = over([0, 1, 2].map(|i| q[i] - x[i] * shear), twice / width);
+    let per_width = 1.0 / width;
+    let per_area = 1.0 / twice;
+    let x = times(p, per_width);
+    let shear = dot3(u, w) * per_width;
+    let y = times([0, 1, 2].map(|i| q[i] - x[i] * shear), width * per_area);
     let (a, b, c) = (dot3(x, x), dot3(x, y), dot3(y, y));
     let large = ((a + c + ((a - c) * (a - c) + 4.0 * (b * b)).sqrt()) * 0.5).sqrt();
     // Also false for NaN.
-    if large > 0.0 { (large, (image_twice / twice / large).min(large)) } else { (0.0, 0.0) }
+    if large > 0.0 { (large, (image_twice * per_area / large).min(large)) } else { (0.0, 0.0) }
 }
 
 type Vec3 = [f32; 3];
@@ -135,8 +140,8 @@ fn edge(a: Lanes, b: Lanes) -> Vec3 {
     [0, 1, 2].map(|i| b[i] - a[i])
 }
 
-fn over(a: Vec3, divisor: f32) -> Vec3 {
-    a.map(|x| x / divisor)
+fn times(a: Vec3, factor: f32) -> Vec3 {
+    a.map(|x| x * factor)
 }
 
 fn dot3(a: Vec3, b: Vec3) -> f32 {

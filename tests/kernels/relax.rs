@@ -1,13 +1,11 @@
 //! The relaxation kernel and its session: what it converges to, what it never does, and the same on every device.
 
-mod kernel_support;
-
+use crate::support::{Hexagon, Random, assert_same, device, folded, hexagon, lanes};
 use glam::{DVec2, DVec3};
 use homeo::gpu::Compute;
 use homeo::kernel::relax::relax;
 use homeo::kernel::{Lanes, RelaxInput, RelaxOptions, RelaxResult, RelaxSession, Rings, energy};
 use homeo::solve::coloring;
-use kernel_support::{Hexagon, Random, assert_same, device, folded, hexagon, lanes};
 
 /// One full sweep with stretches given, colour by colour.
 fn sweep(compute: &Compute, rings: &Rings, weights: &[f32], sigma: &[f32], plane: &mut Vec<Lanes>) {
@@ -81,27 +79,28 @@ fn shaken(disc: &Hexagon, random: &mut Random) -> Vec<Lanes> {
     plane
 }
 
+/// Weights and stretches over many orders of magnitude drive vertices onto their neighbours: most steps are cut short.
 #[test]
 fn no_triangle_ever_turns_over_seed_12() {
     let mut random = Random(12);
-    let mut devices = vec![Compute::Cpu];
-    devices.extend(device().map(|(gpu, _)| gpu));
+    let gpu = device();
     let disc = hexagon(9);
     let rings = disc.rings();
     for round in 0..6 {
-        let mut plane = shaken(&disc, &mut random);
-        // Weights and stretches over many orders of magnitude drive vertices onto their neighbours.
         let wild = |random: &mut Random| 10f64.powf(2.0 * f64::from(round) * random.signed()) as f32;
-        let weights: Vec<f32> = rings.lists().items.iter().map(|_| wild(&mut random)).collect();
+        let mut plane = shaken(&disc, &mut random);
         let before = plane.clone();
+        let weights: Vec<f32> = rings.lists().items.iter().map(|_| wild(&mut random)).collect();
         for _ in 0..20 {
             let sigma: Vec<f32> = plane.iter().map(|_| wild(&mut random)).collect();
-            for compute in &devices {
-                let mut on_this = plane.clone();
-                sweep(compute, &rings, &weights, &sigma, &mut on_this);
-                assert_eq!(folded(&disc.triangles, &on_this), None, "round {round} on {compute:?}");
-            }
+            let mut on_gpu = plane.clone();
             sweep(&Compute::Cpu, &rings, &weights, &sigma, &mut plane);
+            assert_eq!(folded(&disc.triangles, &plane), None, "round {round}");
+            if let Some((gpu, exact)) = &gpu {
+                sweep(gpu, &rings, &weights, &sigma, &mut on_gpu);
+                assert_eq!(folded(&disc.triangles, &on_gpu), None, "round {round} on the adapter");
+                assert!(!exact || on_gpu == plane, "round {round}: the adapter stepped back differently");
+            }
         }
         assert_ne!(plane, before);
         assert!((0..plane.len()).all(|v| disc.free[v] || plane[v] == before[v]), "a fixed vertex moved");
@@ -132,18 +131,51 @@ fn run(compute: &Compute, disc: &Hexagon, surface: &[DVec3], options: &RelaxOpti
 #[test]
 fn a_session_lowers_the_stretch_of_a_hill() {
     let disc = hexagon(16);
-    let surface = disc.hill(1.5);
+    let surface = disc.hill(4.0);
     let start = run(&Compute::Cpu, &disc, &surface, &RelaxOptions { sweeps: 0, ..Default::default() });
     assert_eq!(flat(&start.plane), flat(&disc.plane), "no sweeps, no change");
     let mut last = energy(&start.stretches);
-    for sweeps in [10, 40, 160] {
-        let result = run(&Compute::Cpu, &disc, &surface, &RelaxOptions { sweeps, ..Default::default() });
+    assert!(last > 2.5, "{last}");
+    for power in 1..=3 {
+        let result = run(&Compute::Cpu, &disc, &surface, &RelaxOptions { sweeps: 100, power, step: 1.0 });
         assert_eq!(folded(&disc.triangles, &lanes(&result.plane)), None);
         let now = energy(&result.stretches);
-        assert!(now < last, "{sweeps} sweeps: {now} after {last}");
+        assert!(now < last, "power {power}: {now} after {last}");
         last = now;
     }
-    assert!(last - 1.0 < 0.5 * (energy(&start.stretches) - 1.0), "{last}");
+    // Exact solves of the published iteration reach 1.86 here.
+    assert!(last < 1.85, "{last}");
+}
+
+#[test]
+fn settling_keeps_the_best_state_of_every_patch() {
+    let (steep, flat_disc) = (hexagon(12), hexagon(7));
+    let both = side_by_side(&steep, &flat_disc);
+    let mut surface = steep.hill(3.0);
+    surface.extend(flat_disc.hill(0.0));
+    let patches = [0..steep.triangles.len(), steep.triangles.len()..both.triangles.len()];
+    let rings = both.rings();
+    let weights = vec![1.0; rings.lists().items.len()];
+    let input = RelaxInput {
+        triangles: &both.triangles,
+        rings: &rings,
+        weights: &weights,
+        surface: &surface,
+        plane: &both.plane,
+    };
+    for step in [1.0, 1.9] {
+        let mut session = RelaxSession::new(&Compute::Cpu, &input).unwrap();
+        let before = session.read().unwrap();
+        let options = RelaxOptions { sweeps: 5, step, ..Default::default() };
+        let after = session.settle(&patches, &options, 30).unwrap();
+        let drop = |patch: &std::ops::Range<usize>| {
+            energy(&after.stretches[patch.clone()]) / energy(&before.stretches[patch.clone()])
+        };
+        // A step that long drives the iteration astray; even then nothing may end worse than it began.
+        assert!(drop(&patches[0]) < if step == 1.0 { 0.8 } else { 1.0 + 1e-9 }, "step {step}: {}", drop(&patches[0]));
+        assert!(drop(&patches[1]) <= 1.0, "step {step}: {}", drop(&patches[1]));
+        assert_eq!(folded(&both.triangles, &lanes(&after.plane)), None);
+    }
 }
 
 #[test]
@@ -215,11 +247,12 @@ fn patches_do_not_see_their_company_or_the_threads() {
     let (a, b) = (hexagon(20), hexagon(31));
     let both = side_by_side(&a, &b);
     let options = RelaxOptions { sweeps: 10, ..Default::default() };
-    let of = |disc: &Hexagon| flat(&run(&Compute::Cpu, disc, &disc.hill(1.0), &options).plane);
-    let together = of(&both);
-    assert_eq!(together, [of(&a), of(&b)].concat());
+    let of = |disc: &Hexagon, surface: &[DVec3]| flat(&run(&Compute::Cpu, disc, surface, &options).plane);
+    let surface = [a.hill(1.0), b.hill(2.0).iter().map(|p| 30.0 * *p + DVec3::splat(500.0)).collect()];
+    let together = of(&both, &surface.concat());
+    assert!(together == [of(&a, &surface[0]), of(&b, &surface[1])].concat());
     for threads in [1, 3] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        assert_eq!(pool.install(|| of(&both)), together, "{threads} threads");
+        assert!(pool.install(|| of(&both, &surface.concat())) == together, "{threads} threads");
     }
 }

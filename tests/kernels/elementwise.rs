@@ -1,49 +1,11 @@
-//! Every kernel: valid WGSL, the identities that define it, and the same results on the CPU and on an adapter.
+//! The kernels that treat one element at a time: the identities that define them, and the same on every device.
 
-mod kernel_support;
-
-use homeo::gpu::{Access, Compute, Kernel, WORKGROUP};
-use homeo::kernel::{ALL, Lanes, Lists, Query, Stretch, resample, stretch, vertex_stretch};
-use kernel_support::{Random, assert_same, device, hexagon, lanes};
+use crate::support::{Random, assert_same, device, hexagon, lanes};
+use homeo::gpu::{Compute, WORKGROUP};
+use homeo::kernel::{Lanes, Lists, Query, Stretch, resample, stretch, vertex_stretch};
 
 /// Sizes around the workgroup's, and one that fills no whole number of them.
 const SIZES: [usize; 6] = [0, 1, 63, 64, 65, 1_000_003];
-
-#[test]
-fn kernels_are_valid_and_bind_what_they_declare() {
-    for kernel in ALL {
-        let source = kernel.module();
-        let module = naga::front::wgsl::parse_str(&source).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&source)));
-        // No optional capability: that is what wgpu grants a device opened without features.
-        let capabilities = naga::valid::Capabilities::empty();
-        let mut validator = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), capabilities);
-        validator.validate(&module).unwrap_or_else(|e| panic!("{}: {}", kernel.name, e.emit_to_string(&source)));
-        assert_eq!(module.entry_points.len(), 1, "{}", kernel.name);
-        assert_eq!(module.entry_points[0].name, kernel.name);
-        assert_eq!(module.entry_points[0].workgroup_size, [WORKGROUP, 1, 1], "{}", kernel.name);
-        assert_eq!(bindings(&module), expected_bindings(kernel), "{}", kernel.name);
-    }
-}
-
-fn bindings(module: &naga::Module) -> Vec<(u32, Option<Access>)> {
-    let globals = module.global_variables.iter().filter_map(|(_, g)| Some((g.binding?.binding, g.space)));
-    let access = |space| match space {
-        naga::AddressSpace::Uniform => None,
-        naga::AddressSpace::Storage { access } if access.contains(naga::StorageAccess::STORE) => {
-            Some(Access::ReadWrite)
-        }
-        naga::AddressSpace::Storage { .. } => Some(Access::Read),
-        other => panic!("{other:?} has no place in a kernel"),
-    };
-    let mut bindings: Vec<_> = globals.map(|(binding, space)| (binding, access(space))).collect();
-    bindings.sort_by_key(|&(binding, _)| binding);
-    bindings
-}
-
-fn expected_bindings(kernel: &Kernel) -> Vec<(u32, Option<Access>)> {
-    let storage = kernel.buffers.iter().map(|&access| Some(access));
-    std::iter::once(None).chain(storage).enumerate().map(|(i, access)| (i as u32, access)).collect()
-}
 
 fn random_triangles(random: &mut Random, count: usize, vertices: usize) -> Vec<[u32; 3]> {
     (0..count).map(|_| [0; 3].map(|_| random.index(vertices))).collect()
@@ -178,10 +140,14 @@ fn vertex_stretch_is_the_weighted_mean() {
     let row = |large, small, area_from, area_to| Stretch { large, small, area_from, area_to };
     let rows = [row(1.0, 1.0, 1.0, 3.0), row(7.0, 1.0, 1.0, 1.0), row(0.0, 0.0, 0.0, 9.0)];
     let incident = Lists { starts: vec![0, 2, 3, 3, 5], items: vec![0, 1, 2, 1, 2] };
-    let sigma = vertex_stretch::vertex_stretch(&Compute::Cpu, &incident, &rows).unwrap();
+    let sigma = vertex_stretch::vertex_stretch(&Compute::Cpu, &incident, &rows, &[9.0; 4], 0).unwrap();
     assert!(near(sigma[0].into(), (3.0 * 1.0 + 1.0 * 5.0) / 4.0, 1e-6), "{sigma:?}");
     assert_eq!(sigma[1..3], [1.0, 1.0], "a vertex without usable triangles");
     assert!(near(sigma[3].into(), 5.0, 1e-6), "{sigma:?}");
+    let damped = vertex_stretch::vertex_stretch(&Compute::Cpu, &incident, &rows, &[9.0; 4], 3).unwrap();
+    assert!((0..4).all(|v| near(damped[v].into(), (9.0 * f64::from(sigma[v]).powi(3)).sqrt(), 1e-6)), "{damped:?}");
+    assert!(vertex_stretch::vertex_stretch(&Compute::Cpu, &incident, &rows, &[9.0; 4], 4).is_err());
+    assert!(vertex_stretch::vertex_stretch(&Compute::Cpu, &incident, &rows, &[9.0; 3], 1).is_err());
 }
 
 #[test]
@@ -198,8 +164,11 @@ fn vertex_stretch_is_the_same_on_an_adapter_seed_3() {
             .map(|&(a, b, from, to)| Stretch { large: a + b, small: b, area_from: from, area_to: to })
             .map(|s| if s.area_from < 0.1 { Stretch::default() } else { s })
             .collect();
-        let [a, b] = [&Compute::Cpu, &gpu].map(|c| vertex_stretch::vertex_stretch(c, &incident, &rows).unwrap());
-        assert_same(&format!("{vertices} vertices"), exact, 0.0, &a, &b);
+        let sigma: Vec<f32> = (0..vertices).map(|_| (0.1 + random.unit()) as f32).collect();
+        for power in 0..=3 {
+            let on = |compute| vertex_stretch::vertex_stretch(compute, &incident, &rows, &sigma, power).unwrap();
+            assert_same(&format!("{vertices} vertices, power {power}"), exact, 0.0, &on(&Compute::Cpu), &on(&gpu));
+        }
     }
 }
 
