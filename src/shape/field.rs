@@ -9,12 +9,14 @@ use glam::{DMat3, DVec2, DVec3};
 
 /// Newton steps of [`project`]; the fields are nearly distances, so each step gains several digits.
 const PROJECTION_STEPS: usize = 4;
+/// A projected point may be this far off the surface; Newton's last step is taken from here and squares it.
+const ON_SURFACE: f64 = 1e-6;
 /// Half the baseline of the finite differences in [`curvature`]; below it rounding shows, above it rims are missed.
 const CURVATURE_STEP: f64 = 1e-4;
 /// Steps of [`cast`]; sphere tracing from inside stops long before on every solid of this crate.
 const CAST_STEPS: usize = 256;
-/// [`cast`] has arrived when the field is this small.
-const CAST_TOLERANCE: f64 = 1e-9;
+/// [`cast`] has arrived when the field is this close to zero.
+const ARRIVED: f64 = 1e-9;
 
 /// A field's value and gradient at a point.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +37,9 @@ impl Sample {
 
     /// The union with `other`; the seam is filleted over about the length `blend` > 0.
     pub fn union(self, other: Sample, blend: f64) -> Self {
+        if other.distance >= self.distance + blend {
+            return self;
+        }
         let share = (0.5 + 0.5 * (other.distance - self.distance) / blend).clamp(0.0, 1.0);
         Sample {
             distance: other.distance + (self.distance - other.distance) * share - blend * share * (1.0 - share),
@@ -96,6 +101,9 @@ pub fn project(field: &Field, mut p: DVec3) -> DVec3 {
         if slope > 0.0 {
             p -= s.gradient * (s.distance / slope);
         }
+        if s.distance.abs() < ON_SURFACE {
+            break;
+        }
     }
     p
 }
@@ -104,7 +112,7 @@ pub fn project(field: &Field, mut p: DVec3) -> DVec3 {
 pub fn cast(field: &Field, mut p: DVec3, way: DVec3) -> DVec3 {
     for _ in 0..CAST_STEPS {
         let distance = field(p).distance;
-        if distance > -CAST_TOLERANCE {
+        if distance > -ARRIVED {
             break;
         }
         p -= way * distance;

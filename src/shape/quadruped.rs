@@ -58,7 +58,7 @@ const BULL: Build = Build {
     ],
     tail: &[[-1.12, 0.0, 1.22, 0.08], [-1.36, 0.0, 1.13, 0.055], [-1.45, 0.0, 0.86, 0.05], [-1.46, 0.0, 0.66, 0.08]],
     blends: [0.20, 0.20, 0.12, 0.05, 0.07, 0.07, 0.06],
-    ear_flatness: 1.7,
+    ear_flatness: 1.35,
     turn: DVec3::new(0.3, 0.7, 0.2),
 };
 
@@ -90,7 +90,7 @@ const MULE: Build = Build {
         [-1.22, 0.0, 0.62, 0.045],
     ],
     blends: [0.16, 0.16, 0.08, 0.05, 0.06, 0.06, 0.05],
-    ear_flatness: 1.7,
+    ear_flatness: 1.35,
     turn: DVec3::new(-0.5, 0.2, 0.9),
 };
 
@@ -132,12 +132,20 @@ struct Bone {
 
 fn sample(bones: &[Bone], p: DVec3) -> Sample {
     let [first, rest @ ..] = bones else { unreachable!("every build has a spine") };
-    let all = rest.iter().fold(first.sample(p), |all, bone| all.union(bone.sample(p), bone.blend));
+    let all = rest.iter().fold(first.sample(p), |all, bone| {
+        if bone.least_distance(p) < all.distance + bone.blend { all.union(bone.sample(p), bone.blend) } else { all }
+    });
     let ground = Sample { distance: p.z, gradient: DVec3::Z };
     all.minus(ground, SOLE_EDGE)
 }
 
 impl Bone {
+    /// A cheap lower bound of the bone's field, from the ball around its joints.
+    fn least_distance(&self, p: DVec3) -> f64 {
+        let ((a, ra), (b, rb)) = (self.from, self.to);
+        (p.distance(a.midpoint(b)) - 0.5 * a.distance(b) - ra.max(rb)) / self.flatness
+    }
+
     /// The stretched coordinates make the field steeper; dividing by the stretch keeps its slope below one.
     fn sample(&self, p: DVec3) -> Sample {
         let stretch = |v: DVec3| v + self.across * (v.dot(self.across) * (self.flatness - 1.0));
