@@ -81,10 +81,8 @@ pub fn cylinder(p: DVec3, radius: f64, (low, high): (f64, f64), edge: f64) -> Sa
     let outward = DVec3::new(p.x, p.y, 0.0).normalize_or(DVec3::X);
     let middle = (low + high) * 0.5;
     let upward = DVec3::Z * (p.z - middle).signum();
-    let beyond = DVec2::new(
-        DVec2::new(p.x, p.y).length() - radius + edge,
-        (p.z - middle).abs() - (high - low) * 0.5 + edge,
-    );
+    let beyond =
+        DVec2::new(DVec2::new(p.x, p.y).length() - radius + edge, (p.z - middle).abs() - (high - low) * 0.5 + edge);
     if beyond.min_element() > 0.0 {
         let way = beyond.normalize();
         return Sample { distance: beyond.length() - edge, gradient: outward * way.x + upward * way.y };

@@ -180,7 +180,8 @@ impl Build {
     fn bounds(&self) -> (DVec3, f64) {
         let joints = || {
             let chains = self.chains().into_iter();
-            chains.flat_map(|chain| sides(chain).iter().flat_map(move |&side| chain.iter().map(move |j| joint(j, side))))
+            chains
+                .flat_map(|chain| sides(chain).iter().flat_map(move |&side| chain.iter().map(move |j| joint(j, side))))
         };
         let low = joints().fold(DVec3::INFINITY, |low, (p, r)| low.min(p - r));
         let high = joints().fold(DVec3::NEG_INFINITY, |high, (p, r)| high.max(p + r));
