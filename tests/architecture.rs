@@ -131,7 +131,8 @@ fn door_faults(file: &str, source: &str) -> Vec<(usize, String)> {
 /// True if the match at `at` is a path's first segment, or a whole `use`.
 fn names_crate(text: &str, at: usize, name: &str) -> bool {
     let (before, after) = (&text[..at], &text[at + name.len()..]);
-    let starts = !before.ends_with(|c: char| is_word(c) || c == '.') && (!before.ends_with("::") || before.ends_with(" ::"));
+    let starts =
+        !before.ends_with(|c: char| is_word(c) || c == '.') && (!before.ends_with("::") || before.ends_with(" ::"));
     let imported = before.trim_end().ends_with("use") && !after.starts_with(is_word);
     starts && (after.starts_with("::") || imported)
 }
@@ -256,9 +257,10 @@ fn outside_crates_are_stopped_beside_their_door() {
 fn comments_and_test_items_are_exempt() {
     let tests = "#[cfg(test)]\nmod tests {\n    use crate::shape::fixture;\n}\n";
     assert!(whys("path/a.rs", &format!("// like crate::cli\n{tests}")).is_empty());
-    assert_eq!(whys("path/a.rs", &format!("{tests}use crate::shape::fixture;\n")), [
-        "src/path/a.rs:5: `path` imports `shape`, which lies above it: move the shared part down, or the user up"
-    ]);
+    assert_eq!(
+        whys("path/a.rs", &format!("{tests}use crate::shape::fixture;\n")),
+        ["src/path/a.rs:5: `path` imports `shape`, which lies above it: move the shared part down, or the user up"]
+    );
 }
 
 #[test]
