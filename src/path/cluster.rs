@@ -19,6 +19,8 @@ pub struct Cut {
 pub struct Clusters {
     /// The cluster of every face; None on components without a landmark.
     pub of_face: IdVec<FaceId, Option<LandmarkId>>,
+    /// Distance of every face from its landmark along the face graph.
+    pub distance: IdVec<FaceId, f64>,
     /// All cuts, in the order of their first half-edge.
     pub cuts: Vec<Cut>,
 }
@@ -26,9 +28,9 @@ pub struct Clusters {
 impl Clusters {
     /// Clusters the faces around the landmarks at `sites`.
     pub fn grow(mesh: &TriMesh, sites: &[VertexId]) -> Self {
-        let Front { source: of_face, .. } = front(mesh, sites);
+        let Front { source: of_face, distance } = front(mesh, sites);
         let cuts = find_cuts(&mesh.conn, &of_face);
-        Clusters { of_face, cuts }
+        Clusters { of_face, distance, cuts }
     }
 
     /// How many cuts two clusters share.

@@ -4,6 +4,7 @@
 //! it. Arcs are directed arcs on half-edges. The edge nodes that paths may pass through live here too, because they are
 //! re-spread whenever an edge is split (VORONOI 4).
 
+use crate::error::{Error, Result};
 use crate::mesh::{
     ArcId, Connectivity, FaceId, HalfedgeId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, face_of, next,
     prev,
@@ -67,13 +68,40 @@ pub struct CutMesh {
 impl CutMesh {
     /// The uncut mesh with its landmarks; `edge_nodes` is the least number of nodes on an edge (VORONOI 4: 3).
     pub fn new(mesh: &TriMesh, landmarks: &[VertexId], edge_nodes: u32) -> Self {
-        let vertices = mesh.positions.len();
-        let halfedges = 3 * mesh.conn.face_count();
+        let origin = mesh.conn.vertices().map(SurfacePoint::Vertex).collect();
+        let face_origin = mesh.conn.faces().collect();
+        Self::with_connectivity(mesh, mesh.conn.clone(), origin, face_origin, landmarks, edge_nodes)
+    }
+
+    /// A refined mesh from its triangles, where its vertices lie on `mesh`, and which faces its faces are parts of.
+    pub fn assemble(
+        mesh: &TriMesh,
+        faces: &[[VertexId; 3]],
+        origin: Vec<SurfacePoint>,
+        face_origin: Vec<FaceId>,
+        landmarks: &[VertexId],
+        edge_nodes: u32,
+    ) -> Result<Self> {
+        let conn = Connectivity::build(origin.len(), faces)
+            .map_err(|fault| Error::bug("a refined mesh is not a manifold").at(format!("{fault:?}")))?;
+        let origin = IdVec::from_raw(origin);
+        Ok(Self::with_connectivity(mesh, conn, origin, IdVec::from_raw(face_origin), landmarks, edge_nodes))
+    }
+
+    fn with_connectivity(
+        mesh: &TriMesh,
+        conn: Connectivity,
+        origin: IdVec<VertexId, SurfacePoint>,
+        face_origin: IdVec<FaceId, FaceId>,
+        landmarks: &[VertexId],
+        edge_nodes: u32,
+    ) -> Self {
+        let (vertices, halfedges) = (conn.vertex_count(), 3 * conn.face_count());
         let mut cut = CutMesh {
-            conn: mesh.conn.clone(),
-            positions: mesh.positions.clone(),
-            origin: mesh.conn.vertices().map(SurfacePoint::Vertex).collect(),
-            face_origin: mesh.conn.faces().collect(),
+            conn,
+            positions: origin.iter().map(|p| p.position(mesh)).collect(),
+            origin,
+            face_origin,
             landmark_at: IdVec::filled(None, vertices),
             landmarks: IdVec::from_raw(landmarks.to_vec()),
             arc_at: IdVec::filled(None, halfedges),

@@ -3,7 +3,9 @@
 pub mod base_complex;
 pub mod cluster;
 pub mod cut_mesh;
+pub mod face_cells;
 pub mod front;
 pub mod network;
+pub mod rebuild;
 pub mod region;
 pub mod search;

@@ -2,7 +2,7 @@
 
 use super::base_complex::DirectedArc;
 use super::cut_mesh::{CutMesh, Place};
-use super::search::{Path, Searcher, Terminal};
+use super::search::{Anywhere, Path, Searcher, Terminal};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
 
@@ -84,7 +84,7 @@ pub fn connect(cut: &mut CutMesh, mesh: &TriMesh, searcher: &mut Searcher, ends:
         let (Some(start), Some(goal)) = (start, goal) else {
             return Err(Error::bug("a corner of the layout is missing").at(ends[0].landmark));
         };
-        if let Some(path) = searcher.shortest(cut, &start, &goal, &|_| true) {
+        if let Some(path) = searcher.shortest(cut, &start, &goal, &Anywhere) {
             return Ok(path);
         }
         open_up(cut, mesh, face_of(start.sector[0]));

@@ -51,6 +51,16 @@ impl Regions {
         Regions { of_face, walks, isolated, genus }
     }
 
+    /// True if some region is a disc with fewer than three sides and nothing inside: no triangle can fill it.
+    pub fn has_empty_cell(&self) -> bool {
+        let empty = |r: usize| {
+            self.genus[r] == 0 && self.isolated[r].is_empty() && matches!(self.walks[r].as_slice(), [w] if w.len() < 3)
+        };
+        // A single open arc on a sphere also has a walk of two sides, but the walk runs along both sides of one arc.
+        let encloses = |r: usize| self.walks[r].iter().flatten().any(|d| !self.walks[r][0].contains(&d.flipped()));
+        (0..self.walks.len()).any(|r| empty(r) && encloses(r))
+    }
+
     /// The canonical form to compare two meshes by.
     pub fn structure(&self) -> RegionStructure {
         let mut walk_mates = Vec::new();

@@ -76,17 +76,38 @@ pub struct Searcher {
     queue: BinaryHeap<Open>,
 }
 
+/// Where a path may pass besides keeping off the arcs.
+pub trait Passage {
+    /// Whether the path may cross this face.
+    fn face(&self, _f: FaceId) -> bool {
+        true
+    }
+    /// Whether the path may cross the edge of this half-edge at its nodes.
+    fn edge(&self, _h: HalfedgeId) -> bool {
+        true
+    }
+    /// Whether the path may pass through this vertex.
+    fn vertex(&self, _v: VertexId) -> bool {
+        true
+    }
+}
+
+/// No restriction beyond the arcs.
+pub struct Anywhere;
+
+impl Passage for Anywhere {}
+
 /// What one search knows.
 struct Query<'a> {
     cut: &'a CutMesh,
     goal: &'a Terminal,
     goal_faces: Vec<FaceId>,
     goal_position: DVec3,
-    allowed: &'a dyn Fn(FaceId) -> bool,
+    passage: &'a dyn Passage,
 }
 
 impl Searcher {
-    /// The shortest path from `start` to `goal` through faces that are `allowed`, or None if there is none.
+    /// The shortest path from `start` to `goal` where `passage` lets it, or None if there is none.
     ///
     /// It meets blocked vertices only at its two ends. `start` and `goal` may be the same vertex with different
     /// sectors; the path then leaves through the one and comes back through the other.
@@ -95,14 +116,14 @@ impl Searcher {
         cut: &CutMesh,
         start: &Terminal,
         goal: &Terminal,
-        allowed: &dyn Fn(FaceId) -> bool,
+        passage: &dyn Passage,
     ) -> Option<Path> {
         let goal_faces = goal.sector.iter().map(|&h| face_of(h)).collect();
         let goal_position = cut.positions[goal.vertex];
-        let query = Query { cut, goal, goal_faces, goal_position, allowed };
+        let query = Query { cut, goal, goal_faces, goal_position, passage };
         self.begin(cut.node_count());
         for &h in &start.sector {
-            if allowed(face_of(h)) {
+            if passage.face(face_of(h)) {
                 self.expand_vertex_face(&query, NO_NODE, 0.0, cut.positions[start.vertex], h);
             }
         }
@@ -132,7 +153,7 @@ impl Searcher {
         match cut.place(node) {
             Place::Vertex(v) => {
                 for h in cut.conn.outgoing(v) {
-                    if (query.allowed)(face_of(h)) {
+                    if query.passage.face(face_of(h)) {
                         self.expand_vertex_face(query, node, length, from, h);
                     }
                 }
@@ -140,7 +161,7 @@ impl Searcher {
             Place::Edge(h, _) => {
                 for side in [Some(h), cut.conn.twin(h)].into_iter().flatten() {
                     let f = face_of(side);
-                    if (query.allowed)(f) {
+                    if query.passage.face(f) {
                         self.reach_vertex(query, node, length, from, f, cut.conn.from(prev(side)));
                         self.reach_edge(query, node, length, from, next(side));
                         self.reach_edge(query, node, length, from, prev(side));
@@ -164,13 +185,13 @@ impl Searcher {
 
     fn reach_vertex(&mut self, query: &Query, parent: u32, length: f64, from: DVec3, f: FaceId, v: VertexId) {
         let arrives = v == query.goal.vertex && query.goal_faces.contains(&f);
-        if arrives || !query.cut.is_blocked(v) {
+        if arrives || (!query.cut.is_blocked(v) && query.passage.vertex(v)) {
             self.relax(query, parent, length, from, f, query.cut.node_at(v));
         }
     }
 
     fn reach_edge(&mut self, query: &Query, parent: u32, length: f64, from: DVec3, side: HalfedgeId) {
-        if query.cut.arc_at(side).is_none() {
+        if query.cut.arc_at(side).is_none() && query.passage.edge(side) {
             for node in query.cut.nodes_on(side).iter() {
                 self.relax(query, parent, length, from, face_of(side), node);
             }
@@ -228,13 +249,13 @@ impl Path {
     }
 }
 
-/// True if two places lie on one edge, so that no straight step inside a face joins them.
+/// True if two places of one face lie on one edge where no step may go: between its nodes, or along an arc.
 fn collinear(cut: &CutMesh, a: Place, b: Place) -> bool {
     match (a, b) {
         (Place::Edge(h, _), Place::Edge(k, _)) => cut.conn.edge_representative(h) == cut.conn.edge_representative(k),
         (Place::Edge(h, _), Place::Vertex(v)) | (Place::Vertex(v), Place::Edge(h, _)) => {
             cut.conn.from(h) == v || cut.conn.to(h) == v
         }
-        (Place::Vertex(v), Place::Vertex(w)) => v == w,
+        (Place::Vertex(v), Place::Vertex(w)) => cut.conn.find(v, w).is_none_or(|h| cut.arc_at(h).is_some()),
     }
 }

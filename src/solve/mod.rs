@@ -1,1 +1,3 @@
-//! TODO
+//! Solvers: matchings.
+
+pub mod matching;

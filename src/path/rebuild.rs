@@ -1,0 +1,282 @@
+//! A cut mesh built anew from its arcs: straightened, and free of the vertices that tracing left behind.
+//!
+//! Every arc is reduced to the vertices and edge points of the original mesh that it passes. Inside an original face it
+//! becomes straight steps between points of the face's boundary; steps of arcs that did not cross still do not, because
+//! whether two straight steps in a triangle cross depends only on the order of their ends.
+
+use super::base_complex::DirectedArc;
+use super::cut_mesh::CutMesh;
+use super::face_cells::{BoundaryPoint, cells_of_face, triangulate};
+use crate::error::{Error, Result};
+use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, corner, face_of};
+use glam::DVec3;
+
+/// Rounds of straightening; arcs bend over a few faces only, and each round moves bends by about one face.
+const ROUNDS: usize = 20;
+/// A crossing keeps this share of its gap to the next crossing on the same edge, so the order on the edge never changes.
+const ELBOW_ROOM: f64 = 0.1;
+
+/// A vertex or an edge crossing that an arc passes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Stop {
+    Vertex(VertexId),
+    /// On the edge with this lower-numbered half; the number indexes [`Network::crossings`].
+    Crossing(usize),
+}
+
+/// A crossing of an arc with an original edge.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    edge: HalfedgeId,
+    t: f64,
+}
+
+struct Network<'a> {
+    mesh: &'a TriMesh,
+    crossings: Vec<Crossing>,
+    /// For every arc its stops in order.
+    stops: IdVec<ArcId, Vec<Stop>>,
+    /// For every original edge, by its lower-numbered half, its crossings in order.
+    on_edge: IdVec<HalfedgeId, Vec<usize>>,
+}
+
+/// Builds the cut mesh of `arcs` (given by their ends) from the polylines they follow on `cut`.
+///
+/// Fails only if two crossings of one edge coincide in floating point; the caller then keeps `cut`.
+pub fn rebuild(
+    mesh: &TriMesh,
+    cut: &CutMesh,
+    arcs: &IdVec<ArcId, [LandmarkId; 2]>,
+    edge_nodes: u32,
+) -> Result<CutMesh> {
+    let mut network = Network::read(mesh, cut, arcs)?;
+    for _ in 0..ROUNDS {
+        network.straighten();
+    }
+    network.build(cut, edge_nodes)
+}
+
+impl<'a> Network<'a> {
+    fn read(mesh: &'a TriMesh, cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> Result<Self> {
+        let on_edge = IdVec::filled(Vec::new(), 3 * mesh.conn.face_count());
+        let mut network = Network { mesh, crossings: Vec::new(), stops: IdVec::default(), on_edge };
+        for (arc, ends) in arcs.iter_ids() {
+            let points = polyline(cut, arc, ends[0]);
+            let stops = network.stops_of(&points);
+            network.stops.push(stops);
+        }
+        for stop in network.stops.iter().flatten() {
+            if let Stop::Crossing(c) = *stop {
+                network.on_edge[network.crossings[c].edge].push(c);
+            }
+        }
+        for on in &mut network.on_edge.raw {
+            on.sort_by(|&a, &b| network.crossings[a].t.total_cmp(&network.crossings[b].t));
+            let apart = |w: &[usize]| network.crossings[w[0]].t < network.crossings[w[1]].t;
+            if !on.windows(2).all(apart) {
+                return Err(Error::bug("two arcs cross an edge at one point").at(network.crossings[on[0]].edge));
+            }
+        }
+        Ok(network)
+    }
+
+    /// Reduces a polyline to its stops, without steps along the inside of an edge.
+    fn stops_of(&mut self, points: &[SurfacePoint]) -> Vec<Stop> {
+        let mut stops = Vec::new();
+        for &p in points {
+            stops.push(match p {
+                SurfacePoint::Vertex(v) => Stop::Vertex(v),
+                SurfacePoint::Face(..) => continue,
+                SurfacePoint::Edge(h, t) => {
+                    let edge = self.mesh.conn.edge_representative(h);
+                    self.crossings.push(Crossing { edge, t: if edge == h { t } else { 1.0 - t } });
+                    Stop::Crossing(self.crossings.len() - 1)
+                }
+            });
+        }
+        while self.remove_slide(&mut stops) {}
+        stops
+    }
+
+    /// Removes one step that slides along an edge; false if there is none.
+    fn remove_slide(&self, stops: &mut Vec<Stop>) -> bool {
+        for i in 0..stops.len() - 1 {
+            match (stops[i], stops[i + 1]) {
+                (Stop::Crossing(a), Stop::Crossing(b)) if self.crossings[a].edge == self.crossings[b].edge => {
+                    let (before, after) =
+                        (self.face_of_step(stops, i.wrapping_sub(1)), self.face_of_step(stops, i + 1));
+                    stops.drain(if before == after { i..i + 2 } else { i + 1..i + 2 });
+                    return true;
+                }
+                (Stop::Vertex(v), Stop::Crossing(c)) if self.ends(c).contains(&v) => {
+                    stops.remove(i + 1);
+                    return true;
+                }
+                (Stop::Crossing(c), Stop::Vertex(v)) if self.ends(c).contains(&v) => {
+                    stops.remove(i);
+                    return true;
+                }
+                _ => {}
+            }
+        }
+        false
+    }
+
+    fn ends(&self, crossing: usize) -> [VertexId; 2] {
+        let h = self.crossings[crossing].edge;
+        [self.mesh.conn.from(h), self.mesh.conn.to(h)]
+    }
+
+    /// The original face that step `i` (from stop `i` to stop `i + 1`) crosses; None for a step along a whole edge.
+    fn face_of_step(&self, stops: &[Stop], i: usize) -> Option<FaceId> {
+        let (&a, &b) = (stops.get(i)?, stops.get(i + 1)?);
+        let (at_a, at_b) = (self.faces_at(a), self.faces_at(b));
+        let mut common = at_a.iter().filter(|f| at_b.contains(f));
+        let first = common.next();
+        match (a, b) {
+            (Stop::Vertex(_), Stop::Vertex(_)) => None,
+            _ => first.copied(),
+        }
+    }
+
+    fn faces_at(&self, stop: Stop) -> Vec<FaceId> {
+        match stop {
+            Stop::Vertex(v) => self.mesh.conn.outgoing(v).map(face_of).collect(),
+            Stop::Crossing(c) => {
+                let h = self.crossings[c].edge;
+                [Some(h), self.mesh.conn.twin(h)].into_iter().flatten().map(face_of).collect()
+            }
+        }
+    }
+
+    fn position(&self, stop: Stop) -> DVec3 {
+        match stop {
+            Stop::Vertex(v) => self.mesh.positions[v],
+            Stop::Crossing(c) => SurfacePoint::Edge(self.crossings[c].edge, self.crossings[c].t).position(self.mesh),
+        }
+    }
+
+    /// Moves every crossing towards the straight line between its neighbours, unfolded, keeping the order on its edge.
+    fn straighten(&mut self) {
+        for arc in self.stops.ids() {
+            for i in 1..self.stops[arc].len().max(1) - 1 {
+                let Stop::Crossing(c) = self.stops[arc][i] else { continue };
+                let (p, q) = (self.position(self.stops[arc][i - 1]), self.position(self.stops[arc][i + 1]));
+                if let Some(t) = self.straight_share(c, p, q) {
+                    let (low, high) = self.room(c);
+                    self.crossings[c].t = t.clamp(low, high);
+                }
+            }
+        }
+    }
+
+    /// Where the straight line from `p` to `q`, unfolded about the edge of the crossing, meets that edge.
+    fn straight_share(&self, c: usize, p: DVec3, q: DVec3) -> Option<f64> {
+        let [a, b] = self.ends(c).map(|v| self.mesh.positions[v]);
+        let along = (b - a) / (b - a).length_squared();
+        let height = |x: DVec3| ((x - a) - (b - a) * (x - a).dot(along)).length();
+        let (hp, hq) = (height(p), height(q));
+        let t = ((p - a).dot(along) * hq + (q - a).dot(along) * hp) / (hp + hq);
+        t.is_finite().then_some(t)
+    }
+
+    /// The interval a crossing may move in.
+    fn room(&self, c: usize) -> (f64, f64) {
+        let Crossing { edge, t } = self.crossings[c];
+        let on = &self.on_edge[edge];
+        let at = on.iter().position(|&k| k == c).unwrap_or(0);
+        let low = if at > 0 { self.crossings[on[at - 1]].t } else { 0.0 };
+        let high = on.get(at + 1).map_or(1.0, |&k| self.crossings[k].t);
+        (low + ELBOW_ROOM * (t - low), high - ELBOW_ROOM * (high - t))
+    }
+
+    fn build(&self, cut: &CutMesh, edge_nodes: u32) -> Result<CutMesh> {
+        let vertex_of: Vec<VertexId> =
+            (0..self.crossings.len()).map(|c| VertexId::new(self.mesh.positions.len() + c)).collect();
+        let (used, vertex_of) = self.number_crossings(vertex_of);
+        let mut origin: Vec<SurfacePoint> = self.mesh.conn.vertices().map(SurfacePoint::Vertex).collect();
+        origin.extend(used.iter().map(|&c| SurfacePoint::Edge(self.crossings[c].edge, self.crossings[c].t)));
+        let chords = self.chords(&vertex_of);
+        let mut faces = Vec::new();
+        let mut face_origin = Vec::new();
+        for f in self.mesh.conn.faces() {
+            let boundary = self.boundary(f, &vertex_of);
+            for cell in cells_of_face(&boundary, &chords[f]) {
+                let position = |p: &BoundaryPoint| origin[p.vertex.index()].position(self.mesh);
+                for triangle in triangulate(&cell, &position) {
+                    faces.push(triangle);
+                    face_origin.push(f);
+                }
+            }
+        }
+        let mut built = CutMesh::assemble(self.mesh, &faces, origin, face_origin, &cut.landmarks.raw, edge_nodes)?;
+        self.mark_arcs(&mut built, &vertex_of)?;
+        Ok(built)
+    }
+
+    /// Numbers the crossings still in use behind the original vertices.
+    fn number_crossings(&self, mut vertex_of: Vec<VertexId>) -> (Vec<usize>, Vec<VertexId>) {
+        let mut used: Vec<usize> = self.on_edge.iter().flatten().copied().collect();
+        used.sort_unstable();
+        for (k, &c) in used.iter().enumerate() {
+            vertex_of[c] = VertexId::new(self.mesh.positions.len() + k);
+        }
+        (used, vertex_of)
+    }
+
+    fn vertex(&self, stop: Stop, vertex_of: &[VertexId]) -> VertexId {
+        match stop {
+            Stop::Vertex(v) => v,
+            Stop::Crossing(c) => vertex_of[c],
+        }
+    }
+
+    /// For every original face the steps that cross it, as pairs of vertices.
+    fn chords(&self, vertex_of: &[VertexId]) -> IdVec<FaceId, Vec<[VertexId; 2]>> {
+        let mut chords = IdVec::filled(Vec::new(), self.mesh.conn.face_count());
+        for stops in self.stops.iter() {
+            for i in 0..stops.len() - 1 {
+                if let Some(f) = self.face_of_step(stops, i) {
+                    chords[f].push([stops[i], stops[i + 1]].map(|s| self.vertex(s, vertex_of)));
+                }
+            }
+        }
+        chords
+    }
+
+    /// The corners and crossings around an original face, counter-clockwise.
+    fn boundary(&self, f: FaceId, vertex_of: &[VertexId]) -> Vec<BoundaryPoint> {
+        let mut points = Vec::new();
+        for i in 0..3 {
+            let h = corner(f, i);
+            points.push(BoundaryPoint::at_corner(self.mesh.conn.from(h), i));
+            let edge = self.mesh.conn.edge_representative(h);
+            let mut on: Vec<VertexId> = self.on_edge[edge].iter().map(|&c| vertex_of[c]).collect();
+            if edge != h {
+                on.reverse();
+            }
+            points.extend(on.into_iter().map(|v| BoundaryPoint::on_side(v, i)));
+        }
+        points
+    }
+
+    fn mark_arcs(&self, built: &mut CutMesh, vertex_of: &[VertexId]) -> Result<()> {
+        for (arc, stops) in self.stops.iter_ids() {
+            for pair in stops.windows(2) {
+                let [a, b] = [pair[0], pair[1]].map(|s| self.vertex(s, vertex_of));
+                let h = built.conn.find(a, b).ok_or_else(|| {
+                    Error::bug("a step of an arc is missing from the rebuilt mesh").at(format!("{arc}, {a} to {b}"))
+                })?;
+                built.mark(h, DirectedArc { arc, reversed: false });
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The points of the original mesh that an arc passes.
+fn polyline(cut: &CutMesh, arc: ArcId, first: LandmarkId) -> Vec<SurfacePoint> {
+    let path = cut.arc_path(arc, first);
+    let start = cut.origin[cut.landmarks[first]];
+    std::iter::once(start).chain(path.iter().map(|&h| cut.origin[cut.conn.to(h)])).collect()
+}

@@ -1,0 +1,181 @@
+//! Convex embeddings of a patch: mean value weights (Floater 2003), re-weighted by stretch (Yoshizawa, Belyaev, Seidel).
+//!
+//! Every free vertex is a convex combination of its ring, so the embedding in a convex triangle is bijective as long as
+//! all weights are positive and no dividing edge exists; whether it is so in floating point is checked exactly.
+
+use super::orientation::orientation;
+use super::patch_disc::PatchDisc;
+use super::stretch::{Frame, e_l2, patch_stretch};
+use faer::linalg::solvers::Solve;
+use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
+use faer::sparse::{SparseColMat, Triplet};
+use glam::{DVec2, DVec3};
+
+/// Most re-weightings; E_L2 hardly falls after these.
+const REWEIGHTINGS: usize = 10;
+/// A re-weighting must lower E_L2 by this share for another one to be tried.
+const GAIN: f64 = 1e-3;
+/// Weights of one ring are kept within this ratio, so that the system stays solvable on slivers.
+const WEIGHT_RANGE: f64 = 1e8;
+
+/// Which weights an embedding came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Weights {
+    /// Mean value, re-weighted by stretch.
+    MeanValue,
+    /// All ones, re-weighted by stretch: where slivers break the former numerically.
+    Uniform,
+}
+
+/// A linear system over the free vertices of one patch whose pattern never changes.
+struct System<'a> {
+    disc: &'a PatchDisc,
+    rings: &'a [Vec<u32>],
+    symbolic: Option<SymbolicLu<usize>>,
+}
+
+/// Embeds a patch; positions of free vertices are written, boundary vertices stay. None if no weights give an
+/// embedding with exactly positive triangles.
+pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Option<Weights> {
+    let rings = disc.rings();
+    for kind in [Weights::MeanValue, Weights::Uniform] {
+        let weights: Vec<Vec<f64>> = match kind {
+            Weights::MeanValue => (0..rings.len()).map(|v| mean_value(v, &rings[v], points)).collect(),
+            Weights::Uniform => rings.iter().map(|r| vec![1.0; r.len()]).collect(),
+        };
+        if let Some(positions) = minimise_stretch(disc, &rings, weights, points, frame) {
+            disc.positions = positions;
+            return Some(kind);
+        }
+    }
+    None
+}
+
+/// True if every triangle is exactly positively oriented.
+pub fn is_embedded(disc: &PatchDisc, positions: &[DVec2]) -> bool {
+    disc.triangles.iter().all(|t| {
+        let [a, b, c] = t.map(|v| positions[v as usize]);
+        orientation(a, b, c) > 0.0
+    })
+}
+
+fn minimise_stretch(
+    disc: &PatchDisc,
+    rings: &[Vec<u32>],
+    mut weights: Vec<Vec<f64>>,
+    points: &[DVec3],
+    frame: &Frame,
+) -> Option<Vec<DVec2>> {
+    let mut system = System { disc, rings, symbolic: None };
+    let mut trial = PatchDisc { positions: system.solve(&weights)?, ..disc.clone() };
+    if !is_embedded(disc, &trial.positions) {
+        return None;
+    }
+    let mut best = trial.positions.clone();
+    let mut stretch = patch_stretch(&trial, points, frame);
+    let mut lowest = e_l2(&stretch, frame.area());
+    for _ in 0..REWEIGHTINGS {
+        divide_by_stretch(&mut weights, rings, &vertex_stretch(disc, &stretch));
+        match system.solve(&weights) {
+            Some(positions) if is_embedded(disc, &positions) => trial.positions = positions,
+            _ => break,
+        }
+        stretch = patch_stretch(&trial, points, frame);
+        let energy = e_l2(&stretch, frame.area());
+        if energy < lowest {
+            best.clone_from(&trial.positions);
+        }
+        if energy.is_nan() || energy >= lowest * (1.0 - GAIN) {
+            break;
+        }
+        lowest = energy;
+    }
+    Some(best)
+}
+
+/// Root of the area-weighted mean of the squared stretch around every vertex.
+fn vertex_stretch(disc: &PatchDisc, stretch: &[(f64, f64)]) -> Vec<f64> {
+    let mut sum = vec![(0.0, 0.0); disc.vertices.len()];
+    for (t, &(l, area)) in disc.triangles.iter().zip(stretch) {
+        for &v in t {
+            let s = &mut sum[v as usize];
+            *s = (s.0 + l * area, s.1 + area);
+        }
+    }
+    sum.iter().map(|&(s, a)| if a > 0.0 { (s / a).sqrt() } else { 1.0 }).collect()
+}
+
+fn divide_by_stretch(weights: &mut [Vec<f64>], rings: &[Vec<u32>], sigma: &[f64]) {
+    for (w, ring) in weights.iter_mut().zip(rings) {
+        for (w, &j) in w.iter_mut().zip(ring) {
+            *w /= sigma[j as usize];
+        }
+        bound(w);
+    }
+}
+
+/// Mean value weights of a vertex towards its ring, from the angles on the surface.
+fn mean_value(v: usize, ring: &[u32], points: &[DVec3]) -> Vec<f64> {
+    let spokes: Vec<DVec3> = ring.iter().map(|&j| points[j as usize] - points[v]).collect();
+    let n = ring.len();
+    let half_tangent = |i: usize| {
+        let (u, w) = (spokes[i], spokes[(i + 1) % n]);
+        let (sine, product) = (u.cross(w).length(), u.length() * w.length());
+        // tan(a/2) = sin a / (1 + cos a) = (1 - cos a) / sin a; the larger denominator is the stable one.
+        let cosine = u.dot(w);
+        if cosine >= 0.0 { sine / (product + cosine) } else { (product - cosine) / sine }
+    };
+    let tangents: Vec<f64> = (0..n).map(half_tangent).collect();
+    let mut weights: Vec<f64> =
+        (0..n).map(|i| (tangents[(i + n - 1) % n] + tangents[i]) / spokes[i].length()).collect();
+    bound(&mut weights);
+    weights
+}
+
+/// Scales weights to a largest of 1 and keeps them within [`WEIGHT_RANGE`]; what is not finite counts as largest.
+fn bound(weights: &mut [f64]) {
+    let finite = weights.iter().copied().filter(|w| w.is_finite()).fold(0.0, f64::max);
+    let largest = if finite > 0.0 { finite } else { 1.0 };
+    for w in weights {
+        let scaled = if w.is_finite() { *w / largest } else { 1.0 };
+        *w = scaled.max(1.0 / WEIGHT_RANGE);
+    }
+}
+
+impl System<'_> {
+    /// Solves for the free vertices; None if the factorisation fails.
+    fn solve(&mut self, weights: &[Vec<f64>]) -> Option<Vec<DVec2>> {
+        let first = self.disc.boundary;
+        let free = self.disc.vertices.len() - first;
+        let mut positions = self.disc.positions.clone();
+        if free == 0 {
+            return Some(positions);
+        }
+        let mut entries = Vec::new();
+        let mut rhs = faer::Mat::<f64>::zeros(free, 2);
+        for i in 0..free {
+            let (ring, w) = (&self.rings[first + i], &weights[first + i]);
+            let total: f64 = w.iter().sum();
+            entries.push(Triplet { row: i, col: i, val: 1.0 });
+            for (&j, &w) in ring.iter().zip(w) {
+                let (j, w) = (j as usize, w / total);
+                if j < first {
+                    rhs[(i, 0)] += w * positions[j].x;
+                    rhs[(i, 1)] += w * positions[j].y;
+                } else {
+                    entries.push(Triplet { row: i, col: j - first, val: -w });
+                }
+            }
+        }
+        let matrix = SparseColMat::try_new_from_triplets(free, free, &entries).ok()?;
+        if self.symbolic.is_none() {
+            self.symbolic = SymbolicLu::try_new(matrix.symbolic()).ok();
+        }
+        let lu = Lu::try_new_with_symbolic(self.symbolic.clone()?, matrix.as_ref()).ok()?;
+        lu.solve_in_place(&mut rhs);
+        for i in 0..free {
+            positions[first + i] = DVec2::new(rhs[(i, 0)], rhs[(i, 1)]);
+        }
+        positions.iter().all(|p| p.is_finite()).then_some(positions)
+    }
+}

@@ -1,0 +1,175 @@
+//! Flat 32-bit float images as OpenEXR files: ZIP scanlines, row 0 at the top, one custom attribute with JSON text.
+//!
+//! The bytes depend on the image and the text alone. Blocks of scanlines are compressed in parallel, a bounded number
+//! at a time, in the current rayon pool (the file library's own parallel writer would start threads of its own), and
+//! are written from top to bottom. There is one custom attribute only because the library keeps attributes in a hash
+//! map, whose order changes from run to run.
+
+use crate::error::{Error, Result};
+use exr::block::chunk::Chunk;
+use exr::block::writer::{ChunkWriter, ChunksWriter};
+use exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_indices};
+use exr::meta::header::Header;
+use exr::meta::{BlockDescription, MetaData};
+use exr::prelude::{
+    AttributeValue, ChannelDescription, Compression, FlatSamples, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
+    SampleType, SmallVec, Text,
+};
+use rayon::prelude::*;
+use std::io::{Cursor, Read, Seek, Write};
+
+/// The name of the custom attribute.
+const ATTRIBUTE: &str = "homeo";
+
+/// Blocks compressed at once, 16 scanlines each: enough to keep many cores busy, few enough to bound the memory.
+const BLOCKS_IN_FLIGHT: usize = 64;
+
+/// One channel of an image.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    /// The channel's name in the file: `R`, `G`, `B`, `Y`, or `layer.channel`.
+    pub name: String,
+    /// The values, row by row from the top.
+    pub values: Vec<f32>,
+}
+
+/// An image of 32-bit floats.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FloatImage {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// The channels, in alphabetic order of their names.
+    pub planes: Vec<Plane>,
+}
+
+impl FloatImage {
+    /// An image of three channels `R`, `G`, `B` that hold x, y, z.
+    pub fn rgb(width: usize, height: usize, pixels: &[[f32; 3]]) -> Self {
+        let plane = |(name, axis): (&str, usize)| Plane {
+            name: name.to_string(),
+            values: pixels.iter().map(|pixel| pixel[axis]).collect(),
+        };
+        FloatImage { width, height, planes: [("B", 2), ("G", 1), ("R", 0)].map(plane).into() }
+    }
+
+    /// An image of the one channel `Y`.
+    pub fn grey(width: usize, height: usize, values: Vec<f32>) -> Self {
+        FloatImage { width, height, planes: vec![Plane { name: "Y".to_string(), values }] }
+    }
+
+    /// The values of a channel, if there is one of that name.
+    pub fn plane(&self, name: &str) -> Option<&[f32]> {
+        self.planes.iter().find(|plane| plane.name == name).map(|plane| plane.values.as_slice())
+    }
+
+    /// The pixels of an image with channels `R`, `G` and `B`.
+    pub fn rgb_pixels(&self) -> Option<Vec<[f32; 3]>> {
+        let (r, g, b) = (self.plane("R")?, self.plane("G")?, self.plane("B")?);
+        Some((0..r.len()).map(|i| [r[i], g[i], b[i]]).collect())
+    }
+
+    fn check(&self) -> Result<()> {
+        let whole = |plane: &Plane| plane.values.len() == self.width * self.height;
+        if self.width == 0 || self.height == 0 || !self.planes.iter().all(whole) {
+            return Err(Error::bug(format!("an image of {} x {} pixels lacks some", self.width, self.height)));
+        }
+        if !self.planes.is_sorted_by(|a, b| a.name < b.name) {
+            return Err(Error::bug("the channels of an image are not in alphabetic order"));
+        }
+        Ok(())
+    }
+}
+
+/// Writes an image with its JSON text to `out`, which is written from its current position on and should be buffered.
+///
+/// # Errors
+/// Input, if `out` fails; bug, if the image has no pixels or channels of unequal length, or the text is not ASCII.
+pub fn write(image: &FloatImage, json: &str, out: impl Write + Seek) -> Result<()> {
+    image.check()?;
+    let headers = SmallVec::from_iter([header(image, json)?]);
+    exr::block::write(out, headers, true, |meta, writer| write_blocks(image, &meta, writer)).map_err(writing_failed)
+}
+
+/// The bytes of the file that [`write()`] writes.
+pub fn encode(image: &FloatImage, json: &str) -> Result<Vec<u8>> {
+    let mut bytes = Cursor::new(Vec::new());
+    write(image, json, &mut bytes)?;
+    Ok(bytes.into_inner())
+}
+
+/// Reads a file written by [`write()`]: the image and its JSON text.
+///
+/// # Errors
+/// Input, if the file is not OpenEXR, has other than 32-bit float channels, or lacks the text.
+pub fn read(buffered: impl Read + Seek) -> Result<(FloatImage, String)> {
+    let reader = exr::image::read::read().no_deep_data().largest_resolution_level().all_channels();
+    let file = reader.first_valid_layer().all_attributes().non_parallel().from_buffered(buffered);
+    let layer = file.map_err(|error| Error::input(error.to_string()).remedy("is it an OpenEXR file?"))?.layer_data;
+    let Some(AttributeValue::Text(json)) = layer.attributes.other.get(ATTRIBUTE.as_bytes()) else {
+        let what = format!("the image has no attribute '{ATTRIBUTE}'");
+        return Err(Error::input(what).remedy("use a geometry image that this program wrote"));
+    };
+    let mut planes = Vec::new();
+    for channel in layer.channel_data.list {
+        let name = channel.name.to_string();
+        let FlatSamples::F32(values) = channel.sample_data else {
+            return Err(Error::input("not a channel of 32-bit floats").at(format!("channel {name}")));
+        };
+        planes.push(Plane { name, values });
+    }
+    Ok((FloatImage { width: layer.size.0, height: layer.size.1, planes }, json.to_string()))
+}
+
+fn header(image: &FloatImage, json: &str) -> Result<Header> {
+    if !json.is_ascii() {
+        return Err(Error::bug("the text for an image is not ASCII"));
+    }
+    let channel = |plane: &Plane| {
+        Text::new_or_none(&plane.name)
+            .map(|name| ChannelDescription::named(name, SampleType::F32))
+            .ok_or_else(|| Error::bug("a channel name is not ASCII").at(&plane.name))
+    };
+    let channels = image.planes.iter().map(channel).collect::<Result<SmallVec<_>>>()?;
+    let attribute = (Text::new_or_panic(ATTRIBUTE), AttributeValue::Text(Text::new_or_panic(json))); // both ASCII
+    let attributes = LayerAttributes { other: [attribute].into(), ..LayerAttributes::default() };
+    Ok(Header::new(Text::new_or_panic(""), (image.width, image.height), channels)
+        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_attributes(attributes))
+}
+
+/// Compresses blocks, some at a time, and writes them in order.
+fn write_blocks<W: Write + Seek>(
+    image: &FloatImage,
+    meta: &MetaData,
+    writer: &mut ChunkWriter<W>,
+) -> exr::error::UnitResult {
+    let blocks: Vec<(usize, BlockIndex)> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+    for batch in blocks.chunks(BLOCKS_IN_FLIGHT) {
+        let compress = |&(_, index): &(usize, BlockIndex)| block(image, meta, index).compress_to_chunk(&meta.headers);
+        let chunks: Vec<exr::error::Result<Chunk>> = batch.par_iter().map(compress).collect();
+        for (&(number, _), chunk) in batch.iter().zip(chunks) {
+            writer.write_chunk(number, chunk?)?;
+        }
+    }
+    Ok(())
+}
+
+/// A block's scanlines, for each line one channel after the other, in native byte order as the library expects.
+fn block(image: &FloatImage, meta: &MetaData, index: BlockIndex) -> UncompressedBlock {
+    let channels = &meta.headers[index.layer].channels;
+    UncompressedBlock::from_lines(channels, index, |line| {
+        let at = line.location;
+        let start = at.position.1 * image.width + at.position.0;
+        let values = &image.planes[at.channel].values[start..start + at.sample_count];
+        line.value.copy_from_slice(bytemuck::cast_slice(values));
+    })
+}
+
+fn writing_failed(error: exr::error::Error) -> Error {
+    match error {
+        exr::error::Error::Io(error) => Error::input(error.to_string()).remedy("check the free disk space"),
+        other => Error::bug(other.to_string()),
+    }
+}

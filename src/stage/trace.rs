@@ -1,0 +1,248 @@
+//! Stage: the layout of the source (VORONOI 5.1).
+//!
+//! Input: a mesh, its landmarks, their clusters. Output: arcs embedded in a cut mesh so that every region between them
+//! is a disc with three sides. Invariant: after every arc the arcs do not cross, for they run along edges. First one
+//! arc goes through every cut, inside the two clusters that touch there; then regions in several parts are joined, and
+//! regions with more than three sides are halved by their shortest diagonal.
+
+use crate::error::{Error, Result};
+use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
+use crate::path::base_complex::DirectedArc;
+use crate::path::cluster::Clusters;
+use crate::path::cut_mesh::CutMesh;
+use crate::path::network::{Corner, connect, embed};
+use crate::path::region::Regions;
+use crate::path::search::{Passage, Path, Searcher, Terminal};
+
+/// How an arc came about; decides when it is carried over to the target (VORONOI, procedure 1).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Link {
+    /// Through a cut between two clusters.
+    Cut,
+    /// Joins parts of a region that is not a disc, or halves a region with more than three sides.
+    Diagonal,
+}
+
+/// A complete layout on one mesh.
+#[derive(Clone, Debug)]
+pub struct Traced {
+    /// The cut mesh that carries the arcs.
+    pub cut: CutMesh,
+    /// The two ends of every arc.
+    pub arcs: IdVec<ArcId, [LandmarkId; 2]>,
+    /// How every arc came about.
+    pub links: IdVec<ArcId, Link>,
+    /// Length of every arc in mesh units.
+    pub lengths: IdVec<ArcId, f64>,
+}
+
+/// Traces the arcs of the source.
+pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_nodes: u32) -> Result<Traced> {
+    let mut tracer = Tracer {
+        mesh,
+        searcher: Searcher::default(),
+        traced: Traced {
+            cut: CutMesh::new(mesh, landmarks, edge_nodes),
+            arcs: IdVec::default(),
+            links: IdVec::default(),
+            lengths: IdVec::default(),
+        },
+    };
+    tracer.link_through_cuts(clusters)?;
+    while tracer.split_one_region()? {}
+    Ok(tracer.traced)
+}
+
+struct Tracer<'a> {
+    mesh: &'a TriMesh,
+    searcher: Searcher,
+    traced: Traced,
+}
+
+impl Tracer<'_> {
+    fn add(&mut self, ends: [LandmarkId; 2], link: Link, path: &Path) -> Result<()> {
+        let arc = self.traced.arcs.push(ends);
+        self.traced.links.push(link);
+        self.traced.lengths.push(path.length);
+        embed(&mut self.traced.cut, self.mesh, path, arc)
+    }
+
+    /// Adds an arc through a cut, unless it would enclose nothing together with an arc that is already there.
+    ///
+    /// That happens where landmarks lie so close together that a cut runs through one of them.
+    fn add_unless_empty(&mut self, ends: [LandmarkId; 2], path: &Path) -> Result<()> {
+        let before = self.traced.cut.clone();
+        self.add(ends, Link::Cut, path)?;
+        if Regions::find(&self.traced.cut, &|_| true).has_empty_cell() {
+            self.traced.arcs.raw.pop();
+            self.traced.links.raw.pop();
+            self.traced.lengths.raw.pop();
+            self.traced.cut = before;
+        }
+        Ok(())
+    }
+
+    /// One arc through every cut, the nearest cuts first.
+    fn link_through_cuts(&mut self, clusters: &Clusters) -> Result<()> {
+        let cut_of_edge = number_cut_edges(self.mesh, clusters);
+        let mut order: Vec<(f64, usize)> = (0..clusters.cuts.len()).map(|c| (gap(self.mesh, clusters, c), c)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        for (_, c) in order {
+            let ends = clusters.cuts[c].clusters;
+            let passage = ThroughCut::new(self.mesh, &self.traced.cut, clusters, &cut_of_edge, c);
+            let [start, goal] = ends.map(|l| Terminal::whole(&self.traced.cut, self.traced.cut.landmarks[l]));
+            if let Some(path) = self.searcher.shortest(&self.traced.cut, &start, &goal, &passage) {
+                self.add_unless_empty(ends, &path)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds one arc to the first region that is not yet a triangle; false when all are.
+    fn split_one_region(&mut self) -> Result<bool> {
+        let regions = Regions::find(&self.traced.cut, &|_| true);
+        for (r, walks) in regions.walks.iter().enumerate() {
+            if regions.genus[r] != 0 {
+                return Err(Error::unsolvable("the surface between the landmarks has a handle"));
+            }
+            let parts = self.parts(walks, &regions.isolated[r]);
+            let candidates = match parts.as_slice() {
+                [walk] if walk.len() == 3 => continue,
+                [walk] => diagonals(walk),
+                _ => joins(&parts),
+            };
+            let (ends, path) = self.shortest_of(candidates)?;
+            self.add(ends.map(|c| c.landmark), Link::Diagonal, &path)?;
+            return Ok(true);
+        }
+        Ok(false)
+    }
+
+    /// The corners of every boundary walk of a region, and its isolated landmarks.
+    fn parts(&self, walks: &[Vec<DirectedArc>], isolated: &[LandmarkId]) -> Vec<Vec<Corner>> {
+        let start = |d: DirectedArc| self.traced.arcs[d.arc][usize::from(d.reversed)];
+        let walk_corners =
+            |w: &Vec<DirectedArc>| w.iter().map(|&d| Corner { landmark: start(d), after: Some(d) }).collect();
+        let alone = isolated.iter().map(|&landmark| vec![Corner { landmark, after: None }]);
+        walks.iter().map(walk_corners).chain(alone).collect()
+    }
+
+    /// The shortest path among candidate ends; the straight distance tells which need not be searched.
+    fn shortest_of(&mut self, candidates: Vec<[Corner; 2]>) -> Result<([Corner; 2], Path)> {
+        let at = |c: Corner| self.traced.cut.positions[self.traced.cut.landmarks[c.landmark]];
+        let mut sorted: Vec<(f64, [Corner; 2])> =
+            candidates.into_iter().map(|ends| (at(ends[0]).distance(at(ends[1])), ends)).collect();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let nodes = self.traced.cut.node_count();
+        let mut best: Option<([Corner; 2], Path)> = None;
+        for (straight, ends) in sorted {
+            if best.as_ref().is_some_and(|(_, path)| path.length <= straight) {
+                break;
+            }
+            let path = connect(&mut self.traced.cut, self.mesh, &mut self.searcher, ends)?;
+            if best.as_ref().is_none_or(|(_, other)| path.length < other.length) {
+                best = Some((ends, path));
+            }
+        }
+        let (ends, path) = best.ok_or_else(|| {
+            Error::unsolvable("the landmarks are too few to span a layout").remedy("give at least three")
+        })?;
+        if self.traced.cut.node_count() == nodes {
+            return Ok((ends, path));
+        }
+        // A search refined the region, so nodes found before it may be gone.
+        let path = connect(&mut self.traced.cut, self.mesh, &mut self.searcher, ends)?;
+        Ok((ends, path))
+    }
+}
+
+/// Corners of a disc's walk that a diagonal may join: neither neighbours nor at the same landmark.
+fn diagonals(walk: &[Corner]) -> Vec<[Corner; 2]> {
+    let n = walk.len();
+    let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j))).filter(|&(i, j)| (j + 1) % n != i);
+    pairs.map(|(i, j)| [walk[i], walk[j]]).filter(|[a, b]| a.landmark != b.landmark).collect()
+}
+
+/// Corners in different parts of a region.
+fn joins(parts: &[Vec<Corner>]) -> Vec<[Corner; 2]> {
+    let mut pairs = Vec::new();
+    for (i, part) in parts.iter().enumerate() {
+        for &a in part {
+            pairs.extend(parts[i + 1..].iter().flatten().map(|&b| [a, b]));
+        }
+    }
+    pairs
+}
+
+/// Shortest way from landmark to landmark through a cut, along the face graph.
+fn gap(mesh: &TriMesh, clusters: &Clusters, c: usize) -> f64 {
+    let across = |&h: &HalfedgeId| {
+        let other = mesh.conn.twin(h).map_or(f64::INFINITY, |t| clusters.distance[face_of(t)]);
+        clusters.distance[face_of(h)] + other
+    };
+    clusters.cuts[c].halfedges.iter().map(across).fold(f64::INFINITY, f64::min)
+}
+
+/// For every half-edge of the mesh the cut it belongs to.
+fn number_cut_edges(mesh: &TriMesh, clusters: &Clusters) -> IdVec<HalfedgeId, Option<usize>> {
+    let mut number = IdVec::filled(None, 3 * mesh.conn.face_count());
+    for (c, cut) in clusters.cuts.iter().enumerate() {
+        for &h in &cut.halfedges {
+            number[h] = Some(c);
+            if let Some(t) = mesh.conn.twin(h) {
+                number[t] = Some(c);
+            }
+        }
+    }
+    number
+}
+
+/// Lets a path cross two clusters, and pass between them only at one of their cuts.
+struct ThroughCut<'a> {
+    mesh: &'a TriMesh,
+    cut: &'a CutMesh,
+    clusters: &'a Clusters,
+    cut_of_edge: &'a IdVec<HalfedgeId, Option<usize>>,
+    wanted: usize,
+    several: bool,
+}
+
+impl<'a> ThroughCut<'a> {
+    fn new(
+        mesh: &'a TriMesh,
+        cut: &'a CutMesh,
+        clusters: &'a Clusters,
+        cut_of_edge: &'a IdVec<HalfedgeId, Option<usize>>,
+        wanted: usize,
+    ) -> Self {
+        let [a, b] = clusters.cuts[wanted].clusters;
+        ThroughCut { mesh, cut, clusters, cut_of_edge, wanted, several: clusters.linkage(a, b) > 1 }
+    }
+
+    fn is_other_cut(&self, c: Option<usize>) -> bool {
+        let cuts = &self.clusters.cuts;
+        c.is_some_and(|c| c != self.wanted && cuts[c].clusters == cuts[self.wanted].clusters)
+    }
+}
+
+impl Passage for ThroughCut<'_> {
+    fn face(&self, f: FaceId) -> bool {
+        let label = self.clusters.of_face[self.cut.face_origin[f]];
+        label.is_some_and(|l| self.clusters.cuts[self.wanted].clusters.contains(&l))
+    }
+
+    fn edge(&self, h: HalfedgeId) -> bool {
+        let Some(t) = self.cut.conn.twin(h).filter(|_| self.several) else { return true };
+        let [f, g] = [h, t].map(|k| self.cut.face_origin[face_of(k)]);
+        let between = |k: &HalfedgeId| self.mesh.conn.twin(*k).is_some_and(|k| face_of(k) == g);
+        let common = (0..3).map(|i| corner(f, i)).find(between);
+        f == g || !common.is_some_and(|k| self.is_other_cut(self.cut_of_edge[k]))
+    }
+
+    fn vertex(&self, v: VertexId) -> bool {
+        if !self.several || v.index() >= self.mesh.positions.len() {
+            return true;
+        }
+        !self.mesh.conn.outgoing(v).any(|h| self.is_other_cut(self.cut_of_edge[h]))
+    }
+}
