@@ -14,8 +14,8 @@ const ROUNDS: usize = 10;
 const GROWN_FROM: usize = 8_000;
 /// Rounds after growing.
 const GROWN_ROUNDS: usize = 4;
-/// Edges longer than this times the wish are split, shorter than [`SHORT`] collapsed; splitting a long edge must not
-/// make a short one, so this is more than 1.25 / 0.8 away from it only in the mean.
+/// Edges longer than this times the wish are split, edges shorter than [`SHORT`] times it collapsed. The two factors
+/// bring the halves of a split edge, and the edges beside a collapsed one, nearest to the wish.
 const LONG: f64 = 4.0 / 3.0;
 /// See [`LONG`].
 const SHORT: f64 = 4.0 / 5.0;
