@@ -91,14 +91,14 @@ fn the_shapes_of_a_pair_share_landmark_names_but_not_triangles() {
 
 #[test]
 fn shapes_are_reproducible() {
-    let build = || demo_pairs(1_500).into_iter().flat_map(|(_, a, b)| [bytes(&a), bytes(&b)]).collect::<Vec<_>>();
+    let build = || demo_pairs(1_000).into_iter().flat_map(|(_, a, b)| [bytes(&a), bytes(&b)]).collect::<Vec<_>>();
     assert!(build() == build());
 }
 
 #[test]
 fn left_and_right_landmarks_lie_on_their_sides() {
     for kind in [Quadruped::Bull, Quadruped::Mule] {
-        let animal = quadruped(kind, 4_000);
+        let animal = quadruped(kind, 2_500);
         assert_eq!(animal.landmarks.len(), 22);
         for (name, v) in &animal.landmarks {
             let y = animal.mesh.positions[*v].y;
@@ -115,7 +115,7 @@ fn left_and_right_landmarks_lie_on_their_sides() {
 #[test]
 fn quadruped_landmarks_are_anatomically_right() {
     for kind in [Quadruped::Bull, Quadruped::Mule] {
-        let animal = quadruped(kind, 4_000);
+        let animal = quadruped(kind, 2_500);
         let x = |name: &str| place(&animal, name).x;
         let z = |name: &str| place(&animal, name).z;
         assert!(animal.mesh.positions.iter().all(|p| p.x <= x("nose") + 0.05), "the nose is foremost");
@@ -127,7 +127,9 @@ fn quadruped_landmarks_are_anatomically_right() {
         let forwards = ["tail_tip", "croup", "back", "withers", "crown", "nose"].map(x);
         assert!(forwards.windows(2).all(|w| w[0] < w[1]), "{kind:?}: {forwards:?}");
         assert!(x("front_left_hoof") > x("hind_left_hoof") + 0.5 && x("front_right_hoof") > x("hind_right_hoof") + 0.5);
-        for [high, low] in [["back", "belly"], ["nape", "throat"], ["front_left_knee", "front_left_hoof"]] {
+        let across_neck = place(&animal, "nape") - place(&animal, "throat");
+        assert!(across_neck.z - across_neck.x > 0.2, "the nape of {kind:?} is above or behind the throat");
+        for [high, low] in [["back", "belly"], ["front_left_knee", "front_left_hoof"]] {
             assert!(z(high) > z(low) + 0.1, "{high} of {kind:?} is above {low}");
         }
     }

@@ -91,19 +91,21 @@ pub fn cylinder(p: DVec3, radius: f64, (low, high): (f64, f64), edge: f64) -> Sa
     Sample { distance: beyond.max_element() - edge, gradient }
 }
 
-/// The surface point near `p`, found along the gradient.
-pub fn project(field: &Field, mut p: DVec3) -> DVec3 {
+/// The surface point near `p`, found along the gradient, and the unit normal there.
+pub fn project(field: &Field, mut p: DVec3) -> (DVec3, DVec3) {
+    let mut normal = DVec3::Z;
     for _ in 0..PROJECTION_STEPS {
         let s = field(p);
-        let slope = s.gradient.length_squared();
+        let slope = s.gradient.length();
         if slope > 0.0 {
-            p -= s.gradient * (s.distance / slope);
+            normal = s.gradient / slope;
+            p -= normal * (s.distance / slope);
         }
         if s.distance.abs() < ON_SURFACE {
             break;
         }
     }
-    p
+    (p, normal)
 }
 
 /// The first surface point of the ray that starts at `p` inside the solid and runs along the unit vector `way`.

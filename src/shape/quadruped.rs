@@ -124,6 +124,9 @@ pub fn quadruped(kind: Quadruped, resolution: usize) -> Shape {
 struct Bone {
     from: (DVec3, f64),
     to: (DVec3, f64),
+    /// Centre and radius of a ball around the bone.
+    middle: DVec3,
+    reach: f64,
     across: DVec3,
     flatness: f64,
     /// Fillet to the bones before, on the scale of this bone's field.
@@ -140,10 +143,16 @@ fn sample(bones: &[Bone], p: DVec3) -> Sample {
 }
 
 impl Bone {
+    fn new(from: (DVec3, f64), to: (DVec3, f64), flatness: f64, blend: f64) -> Self {
+        let middle = from.0.midpoint(to.0);
+        let reach = 0.5 * from.0.distance(to.0) + from.1.max(to.1);
+        let across = DVec3::X.reject_from(to.0 - from.0).normalize_or(DVec3::Z);
+        Bone { from, to, middle, reach, across, flatness, blend: blend / flatness }
+    }
+
     /// A cheap lower bound of the bone's field, from the ball around its joints.
     fn least_distance(&self, p: DVec3) -> f64 {
-        let ((a, ra), (b, rb)) = (self.from, self.to);
-        (p.distance(a.midpoint(b)) - 0.5 * a.distance(b) - ra.max(rb)) / self.flatness
+        (p.distance(self.middle) - self.reach) / self.flatness
     }
 
     /// The stretched coordinates make the field steeper; dividing by the stretch keeps its slope below one.
@@ -163,13 +172,10 @@ impl Build {
     fn bones(&self) -> Vec<Bone> {
         let mut bones = Vec::new();
         for (chain, blend) in self.chains().into_iter().zip(self.blends) {
+            let flatness = if std::ptr::eq(chain, self.ear) { self.ear_flatness } else { 1.0 };
             for &side in sides(chain) {
                 for pair in chain.windows(2) {
-                    let (from, to) = (joint(&pair[0], side), joint(&pair[1], side));
-                    let is_ear = std::ptr::eq(chain, self.ear);
-                    let flatness = if is_ear { self.ear_flatness } else { 1.0 };
-                    let across = DVec3::X.reject_from(to.0 - from.0).normalize_or(DVec3::Z);
-                    bones.push(Bone { from, to, across, flatness, blend: blend / flatness });
+                    bones.push(Bone::new(joint(&pair[0], side), joint(&pair[1], side), flatness, blend));
                 }
             }
         }

@@ -68,8 +68,7 @@ fn rounds(field: &Field, mut draft: Draft, vertices: usize, flat: f64, count: us
 /// Moves every vertex onto the surface and notes the normal there.
 fn settle(field: &Field, draft: &mut Draft) {
     for (p, n) in draft.positions.iter_mut().zip(&mut draft.normals) {
-        *p = project(field, *p);
-        *n = field(*p).gradient.normalize_or(DVec3::Z);
+        (*p, *n) = project(field, *p);
     }
 }
 
@@ -147,7 +146,6 @@ fn smooth(field: &Field, draft: &mut Draft) {
         }
         let step = sum / f64::from(n) - old[v];
         let normal = draft.normals[v];
-        draft.positions[v] = project(field, old[v] + (step - normal * step.dot(normal)) * 0.5);
-        draft.normals[v] = field(draft.positions[v]).gradient.normalize_or(DVec3::Z);
+        (draft.positions[v], draft.normals[v]) = project(field, old[v] + (step - normal * step.dot(normal)) * 0.5);
     }
 }
