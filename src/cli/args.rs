@@ -130,8 +130,8 @@ pub struct MapFlags {
     /// Refinement of the compatible meshes; active comes with a later version
     #[arg(long, default_value = "none", value_name = "METHOD")]
     pub refine: RefineChoice,
-    /// Relaxation: none, or within each patch; full, across patches, comes with a later version
-    #[arg(long, default_value = "patch", value_name = "METHOD")]
+    /// Relaxation of the map: none, within each patch, or full: across patches, arcs moving with it
+    #[arg(long, default_value = "full", value_name = "METHOD")]
     pub relax: RelaxChoice,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images
     #[arg(long, default_value = "65", value_name = "N", value_parser = image_size)]

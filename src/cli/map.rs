@@ -33,7 +33,8 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
     later::refuse_flags(flags)?;
     let relax = match flags.relax {
         RelaxChoice::None => Relaxation::None,
-        RelaxChoice::Patch | RelaxChoice::Full => Relaxation::Patch,
+        RelaxChoice::Patch => Relaxation::Patch,
+        RelaxChoice::Full => Relaxation::Full,
     };
     Ok(MapOptions { relax, image: flags.image, seed: global.seed })
 }

@@ -75,5 +75,6 @@ fn stretch_at_vertices(
     let triangles: Vec<[u32; 3]> = faces.iter().map(|t| t.map(|v| v.0)).collect();
     let stretches = kernel::stretch(compute, &triangles, &lanes(&source.positions.raw), &lanes(&image))?;
     let incident = Lists::incident(image.len(), &triangles)?;
-    Ok(vertex_stretch(compute, &incident, &stretches)?.into_iter().map(f64::from).collect())
+    let mean = vertex_stretch(compute, &incident, &stretches, &vec![1.0; image.len()], 0)?;
+    Ok(mean.into_iter().map(f64::from).collect())
 }

@@ -22,15 +22,17 @@ pub struct MapJob {
 pub enum Relaxation {
     /// Not at all: mean value embeddings as they are.
     None,
-    /// Within each patch.
-    #[default]
+    /// Within each patch, arcs held.
     Patch,
+    /// Across the arcs, which move with it.
+    #[default]
+    Full,
 }
 
 /// How pairs are mapped; common to the jobs of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct MapOptions {
-    /// How far the distortion is lowered; default: within each patch.
+    /// How far the distortion is lowered; default: across the arcs.
     pub relax: Relaxation,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images. Default 65.
     pub image: usize,

@@ -26,6 +26,7 @@ pub fn run_maps(
             .then(Stage::Cluster, steps::cluster)
             .then(Stage::Trace, steps::trace)
             .then(Stage::Embed, steps::embed)
+            .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, step))
             .then(Stage::Compose, steps::compose)
             .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, step))
             .then(Stage::Write, |pair, step| steps::write(pair, device, step))

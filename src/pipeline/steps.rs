@@ -1,7 +1,7 @@
 //! What each stage does with a job: fetches its input from the pair, calls the stage, says a word about the result.
 
 use super::images::geometry_images;
-use super::job::MapJob;
+use super::job::{MapJob, Relaxation};
 use super::line::Step;
 use super::pair::Pair;
 use crate::error::Result;
@@ -16,6 +16,7 @@ use crate::stage::check::{Checked, LoadedMesh};
 use crate::stage::compose::Composed;
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
+use crate::stage::relax::{RelaxOptions, relax_arcs, relax_patches};
 use std::path::PathBuf;
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
@@ -78,6 +79,21 @@ pub fn embed(pair: Pair<Layout>, _: &Step) -> Result<Pair<Embedded>> {
         };
         let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
         Ok(Embedded { summary, embedding, notes })
+    })
+}
+
+pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|checked, mut embedded| {
+        let options = RelaxOptions::default();
+        let energies = match how {
+            Relaxation::None => Vec::new(),
+            Relaxation::Patch => relax_patches(meshes(checked), &mut embedded.embedding, &options),
+            Relaxation::Full => relax_arcs(meshes(checked), &mut embedded.embedding, &options)?,
+        };
+        if let [first, .., last] = energies.as_slice() {
+            step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", energies.len() - 1));
+        }
+        Ok(embedded)
     })
 }
 
