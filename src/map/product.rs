@@ -4,7 +4,7 @@ use super::base_complex::BaseComplex;
 use super::certificate::Certificate;
 use super::distortion::{Distortion, distortion};
 use super::flips::flips_on_target;
-use super::report::{LayoutSummary, MeshSummary};
+use super::report::{LayoutSummary, MeshSummary, RelaxationSummary};
 use super::tile_table::TileTable;
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh, VertexId};
@@ -37,6 +37,8 @@ pub struct Product<'a> {
     pub base: &'a BaseComplex,
     /// The layout in numbers.
     pub layout: LayoutSummary,
+    /// How the distortion was lowered.
+    pub relaxation: RelaxationSummary,
     /// Why the map is a homeomorphism.
     pub certificate: Certificate,
     /// Geometry images, unless they were not wanted.

@@ -79,6 +79,7 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
         target: product.target.summary(),
         landmarks: product.landmarks.names.len(),
         layout: product.layout.clone(),
+        relaxation: product.relaxation.clone(),
         certificate: product.certificate,
         distortion: forward,
         distortion_target_on_source: backward,
