@@ -4,7 +4,7 @@ use super::images::geometry_images;
 use super::job::{MapJob, Relaxation};
 use super::line::Step;
 use super::pair::Pair;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
@@ -114,7 +114,10 @@ pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<
 pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
     pair.then(|checked, Embedded { summary, embedding, relaxation, notes }| {
         let composed = stage::compose::compose(meshes(checked), embedding)?;
-        step.detail(if composed.certificate.bijective { "certified" } else { "not certified" });
+        if !composed.certificate.bijective {
+            return Err(Error::bug(format!("the finished map is not bijective: {:?}", composed.certificate)));
+        }
+        step.detail("certified");
         Ok(Finished { summary, relaxation, composed, notes, images: None })
     })
 }
