@@ -61,10 +61,9 @@ pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<[Clusters; 2]>> {
 }
 
 pub fn trace(pair: Pair<[Clusters; 2]>, step: &Step) -> Result<Pair<Layout>> {
-    pair.then(|checked, [on_source, on_target]| {
-        let ([source, _], [source_landmarks, target_landmarks]) = (meshes(checked), landmarks(checked));
-        let traced = stage::trace::trace(source, source_landmarks, &on_source, EDGE_NODES)?;
-        let layout = stage::layout::layout(meshes(checked), target_landmarks, traced, &on_target, EDGE_NODES)?;
+    pair.then(|checked, clusters| {
+        let mut layouts = stage::layout::layouts(meshes(checked), landmarks(checked), &clusters, EDGE_NODES, 1)?;
+        let layout = layouts.swap_remove(0);
         step.detail(format!("{} arcs, {} patches", layout.base.arcs.len(), layout.base.patches.len()));
         Ok(layout)
     })
