@@ -4,11 +4,11 @@ use super::images::geometry_images;
 use super::job::{MapJob, Relaxation};
 use super::line::Step;
 use super::pair::Pair;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
-use crate::map::report::{LayoutSummary, Report};
+use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::mesh::{TriMesh, VertexId};
 use crate::path::cluster::Clusters;
 use crate::stage;
@@ -26,12 +26,14 @@ const EDGE_NODES: u32 = 3;
 pub struct Embedded {
     summary: LayoutSummary,
     embedding: Embedding,
+    relaxation: RelaxationSummary,
     notes: Vec<String>,
 }
 
 /// A finished map before it is written.
 pub struct Finished {
     summary: LayoutSummary,
+    relaxation: RelaxationSummary,
     composed: Composed,
     notes: Vec<String>,
     images: Option<GeometryImages>,
@@ -77,7 +79,17 @@ pub fn embed(pair: Pair<Layout>, _: &Step) -> Result<Pair<Embedded>> {
             flips: 0,
         };
         let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
-        Ok(Embedded { summary, embedding, notes })
+        let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
+        Ok(Embedded { summary, embedding, relaxation, notes })
+    })
+}
+
+pub fn stretch(pair: Pair<Embedded>, compute: &Compute, step: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|_, mut embedded| {
+        let stretch = stage::stretch::stretch(compute, &mut embedded.embedding)?;
+        step.detail(stretch.map(|s| format!("E_L2 {:.3} to {:.3}", s.before, s.after)).join(", "));
+        embedded.relaxation.stretch = stretch;
+        Ok(embedded)
     })
 }
 
@@ -92,15 +104,20 @@ pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<
         if let [first, .., last] = energies.as_slice() {
             step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", energies.len() - 1));
         }
+        embedded.relaxation.method = how.name();
+        embedded.relaxation.energies = energies;
         Ok(embedded)
     })
 }
 
 pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
-    pair.then(|checked, Embedded { summary, embedding, notes }| {
+    pair.then(|checked, Embedded { summary, embedding, relaxation, notes }| {
         let composed = stage::compose::compose(meshes(checked), embedding)?;
-        step.detail(if composed.certificate.bijective { "certified" } else { "not certified" });
-        Ok(Finished { summary, composed, notes, images: None })
+        if !composed.certificate.bijective {
+            return Err(Error::bug(format!("the finished map is not bijective: {:?}", composed.certificate)));
+        }
+        step.detail("certified");
+        Ok(Finished { summary, relaxation, composed, notes, images: None })
     })
 }
 
@@ -120,6 +137,7 @@ pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> 
         landmarks: &checked.landmarks,
         base: &made.composed.embedding.base,
         layout: made.summary.clone(),
+        relaxation: made.relaxation.clone(),
         certificate: made.composed.certificate,
         images: made.images.as_ref(),
         device,

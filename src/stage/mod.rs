@@ -12,5 +12,6 @@ pub mod load;
 pub mod order;
 pub mod rebuild;
 pub mod relax;
+pub mod stretch;
 pub mod trace;
 pub mod write;
