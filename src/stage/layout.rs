@@ -13,7 +13,7 @@ use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, embed, rotation};
-use crate::path::rebuild::rebuild;
+use crate::path::rebuild::{Upkeep, rebuild};
 use crate::path::region::Regions;
 use crate::path::search::{Anywhere, Searcher, Terminal};
 use rayon::prelude::*;
@@ -50,7 +50,7 @@ pub fn layout(
     let (order, carried) = best_order(meshes, target_landmarks, &source, target_clusters, &reference, edge_nodes)?;
     let arcs = source.arcs.clone();
     let finish = |mesh: &TriMesh, mut cut: CutMesh, mut lengths: IdVec<ArcId, f64>| -> Result<CutMesh> {
-        reroute(mesh, &mut cut, &arcs, &mut lengths)?;
+        reroute(mesh, &mut cut, &arcs, &mut lengths, edge_nodes)?;
         Ok(rebuild(mesh, &cut, &arcs, edge_nodes).unwrap_or(cut))
     };
     let postponed = carried.postponed;
@@ -110,8 +110,10 @@ fn reroute(
     cut: &mut CutMesh,
     arcs: &IdVec<ArcId, [LandmarkId; 2]>,
     lengths: &mut IdVec<ArcId, f64>,
+    edge_nodes: u32,
 ) -> Result<()> {
     let mut searcher = Searcher::default();
+    let mut upkeep = Upkeep::default();
     for _ in 0..REROUTE_SWEEPS {
         for arc in arcs.ids() {
             let corners = [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }));
@@ -121,6 +123,7 @@ fn reroute(
             if path.length < lengths[arc] * (1.0 - WORTH_MOVING) {
                 embed(cut, mesh, &path, arc)?;
                 lengths[arc] = path.length;
+                upkeep.after_arc(mesh, cut, arcs, edge_nodes);
             } else {
                 *cut = before;
             }
