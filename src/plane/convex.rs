@@ -5,6 +5,7 @@
 
 use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
+use super::progressive::embed_progressively;
 use super::stretch::{Frame, e_l2, patch_stretch};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
@@ -25,6 +26,9 @@ pub enum Weights {
     MeanValue,
     /// All ones, re-weighted by stretch: where slivers break the former numerically.
     Uniform,
+    /// Those that reproduce an embedding found from coarse to fine, re-weighted by stretch: where a long limb shrinks
+    /// below the resolution of floating point with the former two.
+    Progressive,
 }
 
 /// A linear system over the free vertices of one patch whose pattern never changes.
@@ -40,15 +44,19 @@ pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Opt
     let rings = disc.rings();
     for kind in [Weights::MeanValue, Weights::Uniform] {
         let weights: Vec<Vec<f64>> = match kind {
-            Weights::MeanValue => (0..rings.len()).map(|v| mean_value(v, &rings[v], points)).collect(),
             Weights::Uniform => rings.iter().map(|r| vec![1.0; r.len()]).collect(),
+            _ => (0..rings.len()).map(|v| mean_value(v, &rings[v], points)).collect(),
         };
         if let Some(positions) = minimise_stretch(disc, &rings, weights, points, frame) {
             disc.positions = positions;
             return Some(kind);
         }
     }
-    None
+    let found = embed_progressively(disc, &rings, points, frame)?;
+    let flat: Vec<DVec3> = found.iter().map(|&p| frame.place(p).extend(0.0)).collect();
+    let weights = (0..rings.len()).map(|v| mean_value(v, &rings[v], &flat)).collect();
+    disc.positions = minimise_stretch(disc, &rings, weights, points, frame).unwrap_or(found);
+    Some(Weights::Progressive)
 }
 
 /// True if every triangle is exactly positively oriented.

@@ -5,4 +5,6 @@ pub mod divide;
 pub mod locate;
 pub mod orientation;
 pub mod patch_disc;
+pub mod progressive;
 pub mod stretch;
+pub mod visible;
