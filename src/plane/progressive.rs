@@ -19,6 +19,8 @@ use glam::{DVec2, DVec3};
 const HIGHEST_DEGREE: usize = 9;
 /// Smoothing sweeps after each level; the levels below need room, not a minimum.
 const SWEEPS: usize = 4;
+/// Rounds of putting the coarsest level's vertices at the mean of their rings; a handful of vertices needs a few.
+const SETTLING: usize = 1000;
 /// Shares of the way to a better place that smoothing tries, the longest first.
 const STRIDES: [f64; 3] = [1.0, 0.5, 0.2];
 
@@ -55,10 +57,11 @@ pub fn embed_progressively(
     while !free.is_empty() {
         let level = coarse.coarsen(&mut free);
         if level.is_empty() {
-            return None;
+            break;
         }
         levels.push(level);
     }
+    coarse.settle(&free)?;
     for level in levels.into_iter().rev() {
         for merged in level.into_iter().rev() {
             free.push(merged.vertex);
@@ -154,6 +157,28 @@ impl Coarse<'_> {
         Merged { vertex: v, ring }
     }
 
+    /// Embeds what cannot be coarsened any more: every free vertex at the mean of its ring (Tutte), as nearly as needed.
+    fn settle(&mut self, free: &[u32]) -> Option<()> {
+        for &v in free {
+            self.positions[v as usize] = DVec2::splat(1.0 / 3.0);
+        }
+        for _ in 0..SETTLING {
+            if free.iter().all(|&v| is_inside(self.positions[v as usize], &self.polygon(v))) {
+                return Some(());
+            }
+            for &v in free {
+                let polygon = self.polygon(v);
+                self.positions[v as usize] = polygon.iter().sum::<DVec2>() / polygon.len() as f64;
+            }
+        }
+        None
+    }
+
+    /// The positions of the ring of a free vertex.
+    fn polygon(&self, v: u32) -> Vec<DVec2> {
+        self.rings[v as usize].iter().map(|&w| self.positions[w as usize]).collect()
+    }
+
     /// Undoes a merge and puts the vertex inside its ring.
     fn bring_back(&mut self, Merged { vertex: v, ring }: Merged) -> Option<()> {
         let (u, last) = (ring[0], ring.len() - 1);
@@ -177,8 +202,7 @@ impl Coarse<'_> {
 
     /// Moves a free vertex towards the centre of its kernel or the mean of its ring where that lowers the stretch.
     fn smooth(&mut self, v: u32) {
-        let ring = &self.rings[v as usize];
-        let polygon: Vec<DVec2> = ring.iter().map(|&w| self.positions[w as usize]).collect();
+        let polygon = self.polygon(v);
         let mean = polygon.iter().sum::<DVec2>() / polygon.len() as f64;
         let here = self.positions[v as usize];
         let mut best = (self.energy(v, here, &polygon), here);
