@@ -48,6 +48,17 @@ pub fn grid(n: usize, m: usize) -> TriMesh {
     mesh(positions, &faces)
 }
 
+/// A plane lattice of `n` by `m` rhombi of equilateral triangles with side 1.
+pub fn lattice(n: usize, m: usize) -> TriMesh {
+    let point = |i: usize, j: usize| DVec3::new(i as f64 + 0.5 * j as f64, 0.75f64.sqrt() * j as f64, 0.0);
+    let positions = (0..=m).flat_map(|j| (0..=n).map(move |i| point(i, j))).collect();
+    let at = |i: usize, j: usize| j * (n + 1) + i;
+    let rhombus =
+        |i: usize, j: usize| [[at(i, j), at(i + 1, j), at(i, j + 1)], [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]];
+    let faces: Vec<_> = (0..m).flat_map(|j| (0..n).flat_map(move |i| rhombus(i, j))).collect();
+    mesh(positions, &faces)
+}
+
 /// A torus with `n` vertices the long and `m` the short way around.
 pub fn torus(n: usize, m: usize) -> TriMesh {
     let point = |i: usize, j: usize| {
