@@ -1,5 +1,6 @@
 //! `homeo`: certified bijective, low-distortion maps between triangle meshes.
 
+pub mod cli;
 pub mod error;
 pub mod gpu;
 pub mod kernel;

@@ -2,7 +2,15 @@
 
 pub mod atlas;
 pub mod certificate;
+pub mod distortion;
 pub mod embedding;
+pub mod file_order;
+pub mod flips;
+pub mod layout_file;
+pub mod product;
+pub mod purge;
+pub mod recut;
+pub mod report;
 pub mod surface_map;
 pub mod tile_table;
 

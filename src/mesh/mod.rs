@@ -1,7 +1,9 @@
 //! Triangle meshes: ids, connectivity, metric, points on surfaces, files, checks.
 
+pub mod check;
 pub mod connectivity;
 pub mod id;
+pub mod io;
 pub mod metric;
 pub mod point;
 pub mod trimesh;

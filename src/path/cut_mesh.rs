@@ -332,14 +332,14 @@ impl CutMesh {
         self.blocked[to] = true;
     }
 
-    /// Takes `arc` off the mesh; the vertices it made stay, as ordinary ones.
-    pub fn unmark(&mut self, arc: ArcId) {
-        for h in self.conn.halfedges() {
-            if self.arc_at[h].is_some_and(|d| d.arc == arc) {
-                self.arc_at[h] = None;
-                for v in [self.conn.from(h), self.conn.to(h)] {
-                    self.blocked[v] = self.landmark_at[v].is_some();
-                }
+    /// Takes an arc, given by its number and its first end, off the mesh; the vertices it made stay, as ordinary ones.
+    pub fn unmark(&mut self, arc: ArcId, first: LandmarkId) {
+        for h in self.arc_path(arc, first) {
+            for side in [Some(h), self.conn.twin(h)].into_iter().flatten() {
+                self.arc_at[side] = None;
+            }
+            for v in [self.conn.from(h), self.conn.to(h)] {
+                self.blocked[v] = self.landmark_at[v].is_some();
             }
         }
     }

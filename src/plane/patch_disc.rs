@@ -63,10 +63,30 @@ fn shares_of(cut: &CutMesh, path: &[HalfedgeId], arc: ArcId) -> Result<Vec<f64>>
 
 /// Cuts every patch out of a cut mesh without dividing edges and fixes its boundary.
 pub fn patch_discs(cut: &CutMesh, base: &BaseComplex, shares: &ArcShares) -> Result<IdVec<PatchId, PatchDisc>> {
-    let paths: IdVec<ArcId, Vec<HalfedgeId>> =
-        base.arcs.iter_ids().map(|(arc, ends)| cut.arc_path(arc, ends[0])).collect();
-    let mut local = IdVec::<HalfedgeId, u32>::filled(u32::MAX, 3 * cut.conn.face_count());
-    base.patches.iter().map(|sides| cut_out(cut, sides, &paths, shares, &mut local)).collect()
+    let mut scratch = Scratch::default();
+    base.patches.ids().map(|p| patch_disc(cut, base, p, shares, &mut scratch)).collect()
+}
+
+/// Working memory for [`patch_disc`]: numbers corners (by the half-edge that leaves them) within the patch at hand.
+#[derive(Default)]
+pub struct Scratch {
+    local: IdVec<HalfedgeId, u32>,
+}
+
+/// Cuts one patch out; free vertices have no positions yet.
+pub fn patch_disc(
+    cut: &CutMesh,
+    base: &BaseComplex,
+    p: PatchId,
+    shares: &ArcShares,
+    scratch: &mut Scratch,
+) -> Result<PatchDisc> {
+    scratch.local.raw.resize(3 * cut.conn.face_count(), u32::MAX);
+    let disc = cut_out(cut, base, p, shares, &mut scratch.local)?;
+    for h in disc.faces.iter().flat_map(|&f| (0..3).map(move |i| corner(f, i))) {
+        scratch.local[h] = u32::MAX;
+    }
+    Ok(disc)
 }
 
 /// The half-edges of a directed arc in walking order, the patch at their left.
@@ -78,11 +98,10 @@ fn directed_path(cut: &CutMesh, path: &[HalfedgeId], side: DirectedArc) -> Resul
     twins.ok_or_else(|| Error::bug("an arc inside a closed mesh lies on a boundary").at(side.arc))
 }
 
-/// `local` numbers corners (by the half-edge that leaves them) within the patch at hand.
 fn cut_out(
     cut: &CutMesh,
-    sides: &[DirectedArc; 3],
-    paths: &IdVec<ArcId, Vec<HalfedgeId>>,
+    base: &BaseComplex,
+    p: PatchId,
     shares: &ArcShares,
     local: &mut IdVec<HalfedgeId, u32>,
 ) -> Result<PatchDisc> {
@@ -94,10 +113,13 @@ fn cut_out(
         corners: [0; 3],
         positions: Vec::new(),
     };
-    for (k, &side) in sides.iter().enumerate() {
+    let mut seed = None;
+    for (k, &side) in base.patches[p].iter().enumerate() {
         disc.corners[k] = disc.vertices.len() as u32;
         let share = &shares[side.arc];
-        for (i, h) in directed_path(cut, &paths[side.arc], side)?.into_iter().enumerate() {
+        let path = cut.arc_path(side.arc, base.arcs[side.arc][0]);
+        for (i, h) in directed_path(cut, &path, side)?.into_iter().enumerate() {
+            seed = seed.or(Some(face_of(h)));
             let s = if side.reversed { 1.0 - share[share.len() - 1 - i] } else { share[i] };
             number_fan(cut, h, disc.vertices.len() as u32, local);
             disc.vertices.push(cut.conn.from(h));
@@ -105,11 +127,8 @@ fn cut_out(
         }
     }
     disc.boundary = disc.vertices.len();
-    let Some(&seed) = paths[sides[0].arc].first() else {
-        return Err(Error::bug("an arc without edges").at(sides[0].arc));
-    };
-    let first = if sides[0].reversed { cut.conn.twin(seed).unwrap_or(seed) } else { seed };
-    disc.collect_faces(cut, face_of(first), local);
+    let seed = seed.ok_or_else(|| Error::bug("a patch without a boundary").at(p))?;
+    disc.collect_faces(cut, seed, local);
     Ok(disc)
 }
 

@@ -12,6 +12,9 @@ const GONE: [u32; 3] = [u32::MAX; 3];
 /// angle with this cosine; a smaller value lets thin parts fold, a larger one keeps slivers.
 const UPRIGHT: f64 = 0.35;
 
+/// A flip must win more than this in the sum of opposite cotangents, or four points on a circle flip for ever.
+const FLIP_MARGIN: f64 = 1e-9;
+
 /// The mesh; see the module documentation.
 pub struct Draft {
     /// Vertex positions; removed vertices keep theirs.
@@ -81,9 +84,9 @@ impl Draft {
     pub fn split(&mut self, a: u32, b: u32, field: &Field) {
         let Some(wings) = self.wings(a, b) else { return };
         let m = self.positions.len() as u32;
-        let p = project(field, self.at(a).midpoint(self.at(b)));
-        self.positions.push(p);
-        self.normals.push(field(p).gradient.normalize_or(DVec3::Z));
+        let (position, normal) = project(field, self.at(a).midpoint(self.at(b)));
+        self.positions.push(position);
+        self.normals.push(normal);
         self.sizes.push((self.sizes[a as usize] + self.sizes[b as usize]) * 0.5);
         self.around.push(Vec::new());
         for (f, _) in wings {
@@ -121,11 +124,11 @@ impl Draft {
     /// Replaces an edge by the other diagonal of its two faces if that is Delaunay and folds nothing.
     pub fn flip(&mut self, a: u32, b: u32) -> bool {
         let Some([(f, c), (g, d)]) = self.wings(a, b) else { return false };
-        let opposite = self.angle(c, a, b) + self.angle(d, a, b);
+        let delaunay = self.cotangent(c, a, b) + self.cotangent(d, a, b);
         let degrees = [a, b].map(|v| self.around[v as usize].len());
         let (left, right) = ([a, d, c], [d, b, c]);
         let allowed = degrees.iter().all(|&n| n > 3) && self.neighbours(c).all(|v| v != d);
-        if opposite < std::f64::consts::PI + 1e-9 || !allowed || !self.is_upright(left) || !self.is_upright(right) {
+        if delaunay > -FLIP_MARGIN || !allowed || !self.is_upright(left) || !self.is_upright(right) {
             return false;
         }
         self.set_face(f, left);
@@ -133,8 +136,10 @@ impl Draft {
         true
     }
 
-    fn angle(&self, at: u32, a: u32, b: u32) -> f64 {
-        (self.at(a) - self.at(at)).angle_between(self.at(b) - self.at(at))
+    /// Cotangent of the angle at a corner between two others.
+    fn cotangent(&self, at: u32, a: u32, b: u32) -> f64 {
+        let (u, w) = (self.at(a) - self.at(at), self.at(b) - self.at(at));
+        u.dot(w) / u.cross(w).length().max(f64::MIN_POSITIVE)
     }
 
     fn is_upright(&self, face: [u32; 3]) -> bool {

@@ -9,12 +9,14 @@ use glam::{DMat3, DVec2, DVec3};
 
 /// Newton steps of [`project`]; the fields are nearly distances, so each step gains several digits.
 const PROJECTION_STEPS: usize = 4;
+/// A projected point may be this far off the surface; Newton's last step is taken from here and squares it.
+const ON_SURFACE: f64 = 1e-6;
 /// Half the baseline of the finite differences in [`curvature`]; below it rounding shows, above it rims are missed.
 const CURVATURE_STEP: f64 = 1e-4;
 /// Steps of [`cast`]; sphere tracing from inside stops long before on every solid of this crate.
 const CAST_STEPS: usize = 256;
-/// [`cast`] has arrived when the field is this small.
-const CAST_TOLERANCE: f64 = 1e-9;
+/// [`cast`] has arrived when the field is this close to zero.
+const ARRIVED: f64 = 1e-9;
 
 /// A field's value and gradient at a point.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +37,9 @@ impl Sample {
 
     /// The union with `other`; the seam is filleted over about the length `blend` > 0.
     pub fn union(self, other: Sample, blend: f64) -> Self {
+        if other.distance >= self.distance + blend {
+            return self;
+        }
         let share = (0.5 + 0.5 * (other.distance - self.distance) / blend).clamp(0.0, 1.0);
         Sample {
             distance: other.distance + (self.distance - other.distance) * share - blend * share * (1.0 - share),
@@ -76,10 +81,8 @@ pub fn cylinder(p: DVec3, radius: f64, (low, high): (f64, f64), edge: f64) -> Sa
     let outward = DVec3::new(p.x, p.y, 0.0).normalize_or(DVec3::X);
     let middle = (low + high) * 0.5;
     let upward = DVec3::Z * (p.z - middle).signum();
-    let beyond = DVec2::new(
-        DVec2::new(p.x, p.y).length() - radius + edge,
-        (p.z - middle).abs() - (high - low) * 0.5 + edge,
-    );
+    let beyond =
+        DVec2::new(DVec2::new(p.x, p.y).length() - radius + edge, (p.z - middle).abs() - (high - low) * 0.5 + edge);
     if beyond.min_element() > 0.0 {
         let way = beyond.normalize();
         return Sample { distance: beyond.length() - edge, gradient: outward * way.x + upward * way.y };
@@ -88,23 +91,28 @@ pub fn cylinder(p: DVec3, radius: f64, (low, high): (f64, f64), edge: f64) -> Sa
     Sample { distance: beyond.max_element() - edge, gradient }
 }
 
-/// The surface point near `p`, found along the gradient.
-pub fn project(field: &Field, mut p: DVec3) -> DVec3 {
+/// The surface point near `p`, found along the gradient, and the unit normal there.
+pub fn project(field: &Field, mut p: DVec3) -> (DVec3, DVec3) {
+    let mut normal = DVec3::Z;
     for _ in 0..PROJECTION_STEPS {
         let s = field(p);
-        let slope = s.gradient.length_squared();
+        let slope = s.gradient.length();
         if slope > 0.0 {
-            p -= s.gradient * (s.distance / slope);
+            normal = s.gradient / slope;
+            p -= normal * (s.distance / slope);
+        }
+        if s.distance.abs() < ON_SURFACE {
+            break;
         }
     }
-    p
+    (p, normal)
 }
 
 /// The first surface point of the ray that starts at `p` inside the solid and runs along the unit vector `way`.
 pub fn cast(field: &Field, mut p: DVec3, way: DVec3) -> DVec3 {
     for _ in 0..CAST_STEPS {
         let distance = field(p).distance;
-        if distance > -CAST_TOLERANCE {
+        if distance > -ARRIVED {
             break;
         }
         p -= way * distance;

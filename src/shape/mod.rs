@@ -1,6 +1,6 @@
 //! Generated meshes: the demo's pairs with their landmarks, and fixtures chosen by property.
 //!
-//! Smooth solids are written as signed fields ([`field`]), polygonised ([`march`]) and remeshed ([`remesh`]) to any
+//! Smooth solids are written as signed fields ([`field`]), polygonised ([`march`]) and remeshed to any
 //! resolution. Everything is computed from closed forms, sequentially: equal arguments give equal bytes.
 //!
 //! Animals look along +x, their left is +y, up is +z; faces wind counter-clockwise seen from outside.

@@ -58,7 +58,7 @@ const BULL: Build = Build {
     ],
     tail: &[[-1.12, 0.0, 1.22, 0.08], [-1.36, 0.0, 1.13, 0.055], [-1.45, 0.0, 0.86, 0.05], [-1.46, 0.0, 0.66, 0.08]],
     blends: [0.20, 0.20, 0.12, 0.05, 0.07, 0.07, 0.06],
-    ear_flatness: 1.7,
+    ear_flatness: 1.35,
     turn: DVec3::new(0.3, 0.7, 0.2),
 };
 
@@ -90,7 +90,7 @@ const MULE: Build = Build {
         [-1.22, 0.0, 0.62, 0.045],
     ],
     blends: [0.16, 0.16, 0.08, 0.05, 0.06, 0.06, 0.05],
-    ear_flatness: 1.7,
+    ear_flatness: 1.35,
     turn: DVec3::new(-0.5, 0.2, 0.9),
 };
 
@@ -124,6 +124,9 @@ pub fn quadruped(kind: Quadruped, resolution: usize) -> Shape {
 struct Bone {
     from: (DVec3, f64),
     to: (DVec3, f64),
+    /// Centre and radius of a ball around the bone.
+    middle: DVec3,
+    reach: f64,
     across: DVec3,
     flatness: f64,
     /// Fillet to the bones before, on the scale of this bone's field.
@@ -132,12 +135,26 @@ struct Bone {
 
 fn sample(bones: &[Bone], p: DVec3) -> Sample {
     let [first, rest @ ..] = bones else { unreachable!("every build has a spine") };
-    let all = rest.iter().fold(first.sample(p), |all, bone| all.union(bone.sample(p), bone.blend));
+    let all = rest.iter().fold(first.sample(p), |all, bone| {
+        if bone.least_distance(p) < all.distance + bone.blend { all.union(bone.sample(p), bone.blend) } else { all }
+    });
     let ground = Sample { distance: p.z, gradient: DVec3::Z };
     all.minus(ground, SOLE_EDGE)
 }
 
 impl Bone {
+    fn new(from: (DVec3, f64), to: (DVec3, f64), flatness: f64, blend: f64) -> Self {
+        let middle = from.0.midpoint(to.0);
+        let reach = 0.5 * from.0.distance(to.0) + from.1.max(to.1);
+        let across = DVec3::X.reject_from(to.0 - from.0).normalize_or(DVec3::Z);
+        Bone { from, to, middle, reach, across, flatness, blend: blend / flatness }
+    }
+
+    /// A cheap lower bound of the bone's field, from the ball around its joints.
+    fn least_distance(&self, p: DVec3) -> f64 {
+        (p.distance(self.middle) - self.reach) / self.flatness
+    }
+
     /// The stretched coordinates make the field steeper; dividing by the stretch keeps its slope below one.
     fn sample(&self, p: DVec3) -> Sample {
         let stretch = |v: DVec3| v + self.across * (v.dot(self.across) * (self.flatness - 1.0));
@@ -155,13 +172,10 @@ impl Build {
     fn bones(&self) -> Vec<Bone> {
         let mut bones = Vec::new();
         for (chain, blend) in self.chains().into_iter().zip(self.blends) {
+            let flatness = if std::ptr::eq(chain, self.ear) { self.ear_flatness } else { 1.0 };
             for &side in sides(chain) {
                 for pair in chain.windows(2) {
-                    let (from, to) = (joint(&pair[0], side), joint(&pair[1], side));
-                    let is_ear = std::ptr::eq(chain, self.ear);
-                    let flatness = if is_ear { self.ear_flatness } else { 1.0 };
-                    let across = DVec3::X.reject_from(to.0 - from.0).normalize_or(DVec3::Z);
-                    bones.push(Bone { from, to, across, flatness, blend: blend / flatness });
+                    bones.push(Bone::new(joint(&pair[0], side), joint(&pair[1], side), flatness, blend));
                 }
             }
         }
@@ -172,7 +186,8 @@ impl Build {
     fn bounds(&self) -> (DVec3, f64) {
         let joints = || {
             let chains = self.chains().into_iter();
-            chains.flat_map(|chain| sides(chain).iter().flat_map(move |&side| chain.iter().map(move |j| joint(j, side))))
+            chains
+                .flat_map(|chain| sides(chain).iter().flat_map(move |&side| chain.iter().map(move |j| joint(j, side))))
         };
         let low = joints().fold(DVec3::INFINITY, |low, (p, r)| low.min(p - r));
         let high = joints().fold(DVec3::NEG_INFINITY, |high, (p, r)| high.max(p + r));

@@ -10,8 +10,12 @@ use glam::DVec3;
 
 /// Rounds of the four steps; the vertex count and the angles settle after about eight.
 const ROUNDS: usize = 10;
-/// Edges longer than this times the wish are split, shorter than [`SHORT`] collapsed; splitting a long edge must not
-/// make a short one, so this is more than 1.25 / 0.8 away from it only in the mean.
+/// Meshes with more vertices than this grow from one of this size.
+const GROWN_FROM: usize = 8_000;
+/// Rounds after growing.
+const GROWN_ROUNDS: usize = 4;
+/// Edges longer than this times the wish are split, edges shorter than [`SHORT`] times it collapsed. The two factors
+/// bring the halves of a split edge, and the edges beside a collapsed one, nearest to the wish.
 const LONG: f64 = 4.0 / 3.0;
 /// See [`LONG`].
 const SHORT: f64 = 4.0 / 5.0;
@@ -22,15 +26,27 @@ const GRADING_PASSES: usize = 4;
 /// The wish is stretched by at most this to meet the vertex count; where thin walls forbid a coarser mesh, insisting
 /// would only spoil the triangles.
 const MOST_CORRECTION: f64 = 1.3;
+/// Passes over the faces in which long edges are split; a face meets at most this many splits a round.
+const SPLIT_PASSES: usize = 6;
 /// Smoothing steps a round.
 const SMOOTHING_PASSES: usize = 3;
 
 /// Turns `draft` into about `vertices` well-shaped vertices on the field's surface.
 ///
-/// `flat` is the curvature radius from which on the surface counts as flat.
+/// `flat` is the curvature radius from which on the surface counts as flat. Large meshes grow from a good small one,
+/// which saves most of their rounds.
 pub fn remesh(field: &Field, mut draft: Draft, vertices: usize, flat: f64) -> Draft {
+    let small = vertices.min(GROWN_FROM);
+    draft = rounds(field, draft, small, flat, ROUNDS);
+    if vertices > small {
+        draft = rounds(field, draft, vertices, flat, GROWN_ROUNDS);
+    }
+    draft
+}
+
+fn rounds(field: &Field, mut draft: Draft, vertices: usize, flat: f64, count: usize) -> Draft {
     let mut correction = 1.0;
-    for round in 0..ROUNDS {
+    for round in 0..count {
         draft = draft.compacted();
         settle(field, &mut draft);
         wish(field, &mut draft, flat, vertices, correction);
@@ -40,7 +56,7 @@ pub fn remesh(field: &Field, mut draft: Draft, vertices: usize, flat: f64) -> Dr
             flip_all(&mut draft);
             smooth(field, &mut draft);
         }
-        if round >= 2 {
+        if round > 0 {
             correction *= (draft.live_vertices() as f64 / vertices as f64).sqrt();
             correction = correction.clamp(1.0 / MOST_CORRECTION, MOST_CORRECTION);
         }
@@ -52,8 +68,7 @@ pub fn remesh(field: &Field, mut draft: Draft, vertices: usize, flat: f64) -> Dr
 /// Moves every vertex onto the surface and notes the normal there.
 fn settle(field: &Field, draft: &mut Draft) {
     for (p, n) in draft.positions.iter_mut().zip(&mut draft.normals) {
-        *p = project(field, *p);
-        *n = field(*p).gradient.normalize_or(DVec3::Z);
+        (*p, *n) = project(field, *p);
     }
 }
 
@@ -87,14 +102,14 @@ fn edges(face: [u32; 3]) -> impl Iterator<Item = (u32, u32)> {
     (0..3).map(move |i| (face[i], face[(i + 1) % 3])).filter(|(a, b)| a < b)
 }
 
+/// Splits the first long edge of every face, a few times over: each split halves what is left to do.
 fn split_long(field: &Field, draft: &mut Draft) {
-    let mut f = 0;
-    while f < draft.capacity().1 {
-        let long = draft.face(f).and_then(|face| edges(face).find(|&(a, b)| draft.relative_length(a, b) > LONG));
-        if let Some((a, b)) = long {
-            draft.split(a, b, field);
-        } else {
-            f += 1;
+    for _ in 0..SPLIT_PASSES {
+        for f in 0..draft.capacity().1 {
+            let long = draft.face(f).and_then(|face| edges(face).find(|&(a, b)| draft.relative_length(a, b) > LONG));
+            if let Some((a, b)) = long {
+                draft.split(a, b, field);
+            }
         }
     }
 }
@@ -131,7 +146,6 @@ fn smooth(field: &Field, draft: &mut Draft) {
         }
         let step = sum / f64::from(n) - old[v];
         let normal = draft.normals[v];
-        draft.positions[v] = project(field, old[v] + (step - normal * step.dot(normal)) * 0.5);
-        draft.normals[v] = field(draft.positions[v]).gradient.normalize_or(DVec3::Z);
+        (draft.positions[v], draft.normals[v]) = project(field, old[v] + (step - normal * step.dot(normal)) * 0.5);
     }
 }

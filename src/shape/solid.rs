@@ -8,11 +8,8 @@ use super::remesh::remesh;
 use crate::mesh::{TriMesh, VertexId};
 use glam::{DQuat, DVec3};
 
-/// Fewest vertices a remeshed solid gets: below it, thin parts such as tails lose their roundness.
-pub const FEWEST_VERTICES: usize = 400;
-/// Share of the mean edge length that the lattice has: what is much finer is thrown away again, what is much coarser
-/// has to be split again.
-const CELL_PER_EDGE: f64 = 0.9;
+/// Fewest vertices a remeshed solid gets: below it, thin parts such as ears turn into slivers.
+pub const FEWEST_VERTICES: usize = 600;
 
 /// A solid with what the mesher and the landmark finder have to know about it.
 pub struct Solid<'a> {
@@ -39,9 +36,8 @@ impl Solid<'_> {
     pub fn mesh(&self, vertices: usize) -> TriMesh {
         let vertices = vertices.max(FEWEST_VERTICES);
         let (centre, radius) = self.bounds;
-        let edge = radius * (4.0 / vertices as f64).sqrt();
-        let cell = self.thinnest.min(edge * CELL_PER_EDGE);
-        let (positions, faces) = march(self.field, &Lattice { centre, radius, cell, turn: self.turn });
+        let lattice = Lattice { centre, radius, cell: self.thinnest, turn: self.turn };
+        let (positions, faces) = march(self.field, &lattice);
         let (positions, faces) = remesh(self.field, Draft::new(positions, faces), vertices, self.flat).finish();
         let faces: Vec<_> = faces.into_iter().map(|face| face.map(VertexId)).collect();
         // Marching tetrahedra give a closed manifold, and every step of the remesher keeps it one.

@@ -1,3 +1,5 @@
-//! Solvers: matchings.
+//! Solvers: colouring, the energy of mapped triangles, matchings.
 
+pub mod coloring;
+pub mod dirichlet;
 pub mod matching;

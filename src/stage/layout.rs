@@ -6,7 +6,7 @@
 
 use super::carry::{Carried, Carrier};
 use super::order::{ORDERS, Order, arrange};
-use super::trace::Traced;
+use super::trace::{Traced, trace};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
@@ -23,6 +23,9 @@ const REROUTE_SWEEPS: usize = 2;
 /// A new way must be shorter by this share to be taken, so that re-routing ends.
 const WORTH_MOVING: f64 = 1e-6;
 
+/// Layouts whose lengths differ by less than this share are the same layout.
+const SAME_LENGTH: f64 = 1e-6;
+
 /// The same base complex on both meshes.
 #[derive(Clone, Debug)]
 pub struct Layout {
@@ -38,26 +41,79 @@ pub struct Layout {
     pub postponed: usize,
 }
 
-/// Carries the source's layout to the target.
-pub fn layout(
+/// One way to lay the arcs: traced on one mesh, carried to the other in some order.
+struct Candidate {
+    arcs: IdVec<ArcId, [LandmarkId; 2]>,
+    cuts: [CutMesh; 2],
+    lengths: [IdVec<ArcId, f64>; 2],
+    order: Order,
+    postponed: usize,
+}
+
+/// Lays out both meshes in several ways and returns the best `keep`, the one with the shortest arcs first.
+///
+/// Arcs are traced on either mesh and carried to the other in several orders; lengths are relative to the meshes' sizes.
+pub fn layouts(
     meshes: [&TriMesh; 2],
-    target_landmarks: &[VertexId],
-    source: Traced,
-    target_clusters: &Clusters,
+    landmarks: [&[VertexId]; 2],
+    clusters: &[Clusters; 2],
     edge_nodes: u32,
-) -> Result<Layout> {
-    let reference = reference_lengths(meshes[1], target_landmarks, &source);
-    let (order, carried) = best_order(meshes, target_landmarks, &source, target_clusters, &reference, edge_nodes)?;
-    let arcs = source.arcs.clone();
-    let finish = |mesh: &TriMesh, mut cut: CutMesh, mut lengths: IdVec<ArcId, f64>| -> Result<CutMesh> {
+    keep: usize,
+) -> Result<Vec<Layout>> {
+    let traced: Vec<Result<Traced>> =
+        [0, 1].par_iter().map(|&k| trace(meshes[k], landmarks[k], &clusters[k], edge_nodes)).collect();
+    let mut candidates = Vec::new();
+    for (from, traced) in traced.into_iter().enumerate() {
+        candidates.extend(carry_all(meshes, landmarks, clusters, from, &traced?, edge_nodes)?);
+    }
+    let scale = meshes.map(|m| m.area().sqrt());
+    let size = |c: &Candidate| (0..2).map(|k| c.lengths[k].iter().sum::<f64>() / scale[k]).sum::<f64>();
+    candidates.sort_by(|a, b| size(a).total_cmp(&size(b)));
+    candidates.dedup_by(|a, b| (size(a) - size(b)).abs() < SAME_LENGTH * size(b));
+    candidates.truncate(keep);
+    let finished: Vec<Result<Layout>> = candidates.into_par_iter().map(|c| finish(meshes, c, edge_nodes)).collect();
+    let mut layouts = finished.into_iter().collect::<Result<Vec<Layout>>>()?;
+    let total = |l: &Layout| l.lengths[0] / scale[0] + l.lengths[1] / scale[1];
+    layouts.sort_by(|a, b| total(a).total_cmp(&total(b)));
+    Ok(layouts)
+}
+
+/// Carries the arcs traced on mesh `from` to the other one, in every order.
+fn carry_all(
+    meshes: [&TriMesh; 2],
+    landmarks: [&[VertexId]; 2],
+    clusters: &[Clusters; 2],
+    from: usize,
+    traced: &Traced,
+    edge_nodes: u32,
+) -> Result<Vec<Candidate>> {
+    let to = 1 - from;
+    let reference = reference_lengths(meshes[to], landmarks[to], traced);
+    let scale = meshes.map(|m| m.area().sqrt());
+    let relative = traced.arcs.ids().map(|a| traced.lengths[a] / scale[from] + reference[a] / scale[to]).collect();
+    let carrier =
+        Carrier { source: traced, mesh: meshes[to], landmarks: landmarks[to], edge_nodes, reference: &reference };
+    let one = |&order: &Order| {
+        let Carried { cut, lengths, postponed } = carrier.carry(&arrange(order, traced, &clusters[to], &relative))?;
+        let (mut cuts, mut both) = ([traced.cut.clone(), cut], [traced.lengths.clone(), lengths]);
+        if from == 1 {
+            cuts.swap(0, 1);
+            both.swap(0, 1);
+        }
+        Ok(Candidate { arcs: traced.arcs.clone(), cuts, lengths: both, order, postponed })
+    };
+    let tries: Vec<Result<Candidate>> = ORDERS.par_iter().map(one).collect();
+    tries.into_iter().collect()
+}
+
+/// Re-routes the arcs, rebuilds the cut meshes and reads the base complex off both.
+fn finish(meshes: [&TriMesh; 2], candidate: Candidate, edge_nodes: u32) -> Result<Layout> {
+    let Candidate { arcs, cuts: [source, target], lengths: [on_source, on_target], order, postponed } = candidate;
+    let one = |mesh: &TriMesh, mut cut: CutMesh, mut lengths: IdVec<ArcId, f64>| -> Result<CutMesh> {
         reroute(mesh, &mut cut, &arcs, &mut lengths, edge_nodes)?;
         Ok(rebuild(mesh, &cut, &arcs, edge_nodes).unwrap_or(cut))
     };
-    let postponed = carried.postponed;
-    let (a, b) = rayon::join(
-        || finish(meshes[0], source.cut, source.lengths),
-        || finish(meshes[1], carried.cut, carried.lengths),
-    );
+    let (a, b) = rayon::join(|| one(meshes[0], source, on_source), || one(meshes[1], target, on_target));
     let cuts = [a?, b?];
     let base = base_complex(&cuts[0], &arcs)?;
     if base_complex(&cuts[1], &arcs)?.patches != base.patches {
@@ -78,32 +134,6 @@ fn reference_lengths(mesh: &TriMesh, landmarks: &[VertexId], source: &Traced) ->
     IdVec::from_raw(lengths)
 }
 
-/// Carries the arcs in every order and keeps the one with the shortest arcs; ties go to the first.
-fn best_order(
-    meshes: [&TriMesh; 2],
-    landmarks: &[VertexId],
-    source: &Traced,
-    clusters: &Clusters,
-    reference: &IdVec<ArcId, f64>,
-    edge_nodes: u32,
-) -> Result<(Order, Carried)> {
-    let scale = [meshes[0], meshes[1]].map(|m| m.area().sqrt());
-    let relative = source.arcs.ids().map(|a| source.lengths[a] / scale[0] + reference[a] / scale[1]).collect();
-    let carrier = Carrier { source, mesh: meshes[1], landmarks, edge_nodes, reference };
-    let tries: Vec<Result<(Order, Carried)>> = ORDERS
-        .par_iter()
-        .map(|&order| Ok((order, carrier.carry(&arrange(order, source, clusters, &relative))?)))
-        .collect();
-    let mut best: Option<(Order, Carried)> = None;
-    for result in tries {
-        let (order, carried) = result?;
-        if best.as_ref().is_none_or(|(_, other)| carried.total() < other.total()) {
-            best = Some((order, carried));
-        }
-    }
-    best.ok_or_else(|| Error::bug("no order of arcs was tried"))
-}
-
 /// Traces every arc again inside the quad that taking it away opens, and keeps the shorter way.
 fn reroute(
     mesh: &TriMesh,
@@ -118,7 +148,7 @@ fn reroute(
         for arc in arcs.ids() {
             let corners = [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }));
             let before = cut.clone();
-            cut.unmark(arc);
+            cut.unmark(arc, arcs[arc][0]);
             let path = connect(cut, mesh, &mut searcher, corners)?;
             if path.length < lengths[arc] * (1.0 - WORTH_MOVING) {
                 embed(cut, mesh, &path, arc)?;

@@ -2,10 +2,15 @@
 
 pub mod bake;
 pub mod carry;
+pub mod check;
 pub mod cluster;
+pub mod compose;
 pub mod embed;
 pub mod exr;
 pub mod layout;
+pub mod load;
 pub mod order;
 pub mod rebuild;
+pub mod relax;
 pub mod trace;
+pub mod write;

@@ -6,8 +6,7 @@ use homeo::map::surface_map::{Chart, SurfaceMap, compose};
 use homeo::mesh::{TriMesh, VertexId};
 use homeo::stage::cluster::cluster;
 use homeo::stage::embed::embed;
-use homeo::stage::layout::{Layout, layout};
-use homeo::stage::trace::trace;
+use homeo::stage::layout::{Layout, layouts};
 
 /// Least number of nodes on an edge, as VORONOI takes it.
 pub const EDGE_NODES: u32 = 3;
@@ -28,10 +27,12 @@ impl Pair {
         [&self.meshes[0], &self.meshes[1]]
     }
 
+    /// The layout with the shortest arcs.
     pub fn layout(&self) -> Result<Layout> {
-        let clusters = cluster(self.both(), [&self.landmarks[0], &self.landmarks[1]]);
-        let traced = trace(&self.meshes[0], &self.landmarks[0], &clusters[0], EDGE_NODES)?;
-        layout(self.both(), &self.landmarks[1], traced, &clusters[1], EDGE_NODES)
+        let landmarks = [self.landmarks[0].as_slice(), &self.landmarks[1]];
+        let clusters = cluster(self.both(), landmarks);
+        let mut all = layouts(self.both(), landmarks, &clusters, EDGE_NODES, 1)?;
+        Ok(all.swap_remove(0))
     }
 
     pub fn embed(&self) -> Result<Embedding> {

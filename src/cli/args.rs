@@ -1,0 +1,197 @@
+//! What was typed.
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+/// Certified bijective, low-distortion maps between triangle meshes.
+#[derive(Debug, Parser)]
+#[command(name = "homeo", version, about, after_help = EXIT_CODES, propagate_version = true)]
+pub struct Cli {
+    #[command(flatten)]
+    pub global: Global,
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input, \
+4 well-formed but unsolvable, 5 no usable device where one was required.";
+
+#[derive(Args, Debug)]
+pub struct Global {
+    /// Compute device: auto (a hardware GPU if there is one, otherwise the CPU), cpu, gpu, or part of an adapter's name
+    #[arg(long, global = true, default_value = "auto", value_name = "auto|cpu|gpu|NAME")]
+    pub device: String,
+    /// Do not write report.html
+    #[arg(long, global = true)]
+    pub no_report: bool,
+    /// Threads for the CPU stages; default: one per core
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    pub threads: Option<u16>,
+    /// Seed of whatever is drawn by chance; results are the same for the same seed
+    #[arg(long, global = true, default_value_t = 0, value_name = "N")]
+    pub seed: u64,
+    /// Say nothing but errors
+    #[arg(short, long, global = true, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Say more
+    #[arg(short, long, global = true)]
+    pub verbose: bool,
+    /// Machine-readable result on stdout
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Colours; auto: on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, default_value = "auto", value_name = "WHEN")]
+    pub color: ColorChoice,
+    /// Progress on stderr; auto: bars on a terminal, nothing otherwise
+    #[arg(long, global = true, default_value = "auto", value_name = "HOW")]
+    pub progress: ProgressChoice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ColorChoice {
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressChoice {
+    /// Bars on a terminal, nothing otherwise
+    Auto,
+    /// One JSON line per step
+    Jsonl,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Map generated pairs and show a summary
+    Demo(DemoArgs),
+    /// Map one mesh onto another, guided by landmarks
+    Map(MapArgs),
+    /// Say what is wrong with meshes, element by element
+    Check(CheckArgs),
+    /// Measure the distortion of a compatible mesh
+    Measure(MeasureArgs),
+    /// List compute adapters and which one `auto` takes
+    Devices,
+    /// Hard-constrained texture coordinates (comes with a later version)
+    Texture(Later),
+    /// Diffusion parametrization of regions (comes with a later version)
+    Diffuse(Later),
+    /// Bake maps into a mesh's own UVs (comes with a later version)
+    Bake(Later),
+    /// Carry an image through a finished map (comes with a later version)
+    Transfer(Later),
+    /// Morph one shape into the other (comes with a later version)
+    Morph(Later),
+    /// Many maps, streamed (comes with a later version)
+    Batch(Later),
+}
+
+/// Arguments of a command that does not exist yet: anything.
+#[derive(Args, Debug)]
+pub struct Later {
+    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
+    pub rest: Vec<OsString>,
+}
+
+#[derive(Args, Debug)]
+pub struct DemoArgs {
+    /// Folder for the generated pairs and their maps
+    #[arg(default_value = "homeo-demo")]
+    pub dir: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct MapArgs {
+    /// The mesh to be mapped: OBJ, OFF, PLY or STL
+    pub source: PathBuf,
+    /// The mesh it is mapped onto
+    pub target: PathBuf,
+    /// CSV `name,source_vertex,target_vertex` (0-based) or `name,sx,sy,sz,tx,ty,tz`; or a file of source points
+    #[arg(long, value_name = "FILE")]
+    pub landmarks: PathBuf,
+    /// File of target points, matched with those of the source by name or order
+    #[arg(long, value_name = "FILE")]
+    pub target_landmarks: Option<PathBuf>,
+    /// Folder for the results; appears complete or not at all
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    #[command(flatten)]
+    pub options: MapFlags,
+}
+
+#[derive(Args, Debug)]
+pub struct MapFlags {
+    /// How arcs are laid out; hypothesis and greedy come with a later version
+    #[arg(long, default_value = "voronoi", value_name = "METHOD")]
+    pub layout: LayoutChoice,
+    /// Refinement of the compatible meshes; active comes with a later version
+    #[arg(long, default_value = "none", value_name = "METHOD")]
+    pub refine: RefineChoice,
+    /// Relaxation of the map: none, within each patch, or full: across patches, arcs moving with it
+    #[arg(long, default_value = "full", value_name = "METHOD")]
+    pub relax: RelaxChoice,
+    /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images
+    #[arg(long, default_value = "65", value_name = "N", value_parser = image_size)]
+    pub image: usize,
+    /// One layered EXR instead of one file per map (comes with a later version)
+    #[arg(long)]
+    pub layered: bool,
+    /// The source's colour texture, carried to the target (comes with a later version)
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayoutChoice {
+    Voronoi,
+    Hypothesis,
+    Greedy,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RefineChoice {
+    None,
+    Active,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum RelaxChoice {
+    None,
+    Patch,
+    Full,
+}
+
+#[derive(Args, Debug)]
+pub struct CheckArgs {
+    /// Mesh files
+    #[arg(required = true)]
+    pub meshes: Vec<PathBuf>,
+    /// Landmarks to be checked against the first mesh as source and the second as target
+    #[arg(long, value_name = "FILE")]
+    pub landmarks: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct MeasureArgs {
+    /// The mesh before the map
+    pub source: PathBuf,
+    /// The same vertices and faces at the positions after the map
+    pub compatible: PathBuf,
+}
+
+/// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
+/// both meshes and their normals.
+const LARGEST_IMAGE: usize = (1 << 12) + 1;
+
+fn image_size(text: &str) -> Result<usize, String> {
+    let n: usize = text.parse().map_err(|_| "not a number".to_owned())?;
+    let is_power_plus_one = n >= 2 && (n - 1).is_power_of_two() && n <= LARGEST_IMAGE;
+    if n == 0 || is_power_plus_one {
+        Ok(n)
+    } else {
+        Err(format!("use 0 or a power of two plus one up to {LARGEST_IMAGE}: 33, 65, 129, ..."))
+    }
+}

@@ -1,0 +1,81 @@
+//! `homeo demo`: generated pairs through the main job.
+
+use super::args::{DemoArgs, Global};
+use super::console::Console;
+use super::map::run_all;
+use super::summary::demo_summary;
+use crate::error::{Error, Result};
+use crate::mesh::VertexId;
+use crate::mesh::io::{MeshFile, write_obj};
+use crate::pipeline::{MapJob, MapOptions};
+use crate::shape::{Shape, demo_pairs};
+use crate::stage::write::check_place;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Vertices of the generated meshes, about: enough to show detail, few enough to be mapped in seconds.
+const RESOLUTION: usize = 10_000;
+
+/// Runs the command.
+pub fn run(args: &DemoArgs, global: &Global, console: &Console) -> Result<ExitCode> {
+    let mut names = Vec::new();
+    let mut jobs = Vec::new();
+    // Pairs of higher genus come with the layouts that can map them.
+    let pairs = demo_pairs(RESOLUTION).into_iter().filter(|(_, source, _)| source.mesh.genus() == 0);
+    for (name, source, target) in pairs {
+        jobs.push(write_pair(&args.dir.join(&name), &source, &target)?);
+        names.push(name);
+    }
+    let reports = run_all(jobs, &MapOptions::default(), global, console)?;
+    let finished: Vec<_> = names.into_iter().zip(reports).collect();
+    console.result(&finished, || {
+        let place = format!("inputs and maps are in {}\n", args.dir.display());
+        demo_summary(&finished, console) + &place
+    });
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Writes both meshes and their landmarks into `dir`; the map goes into `dir/map`.
+fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
+    let job = MapJob {
+        source: dir.join("source.obj"),
+        target: dir.join("target.obj"),
+        landmarks: dir.join("landmarks.csv"),
+        target_landmarks: None,
+        out: dir.join("map"),
+    };
+    check_place(&job.out)?;
+    fs::create_dir_all(dir).map_err(|e| Error::io(dir, &e))?;
+    write_shape(&job.source, source)?;
+    write_shape(&job.target, target)?;
+    write_file(&job.landmarks, |out| {
+        writeln!(out, "name,source_vertex,target_vertex")?;
+        for ((name, s), (_, t)) in source.landmarks.iter().zip(&target.landmarks) {
+            writeln!(out, "{name},{},{}", s.0, t.0)?;
+        }
+        Ok(())
+    })?;
+    Ok(job)
+}
+
+fn write_shape(path: &Path, shape: &Shape) -> Result<()> {
+    let corners: Vec<VertexId> = shape.mesh.faces().into_iter().flatten().collect();
+    let file = MeshFile {
+        positions: shape.mesh.positions.raw.clone(),
+        offsets: (0..=corners.len() as u32).step_by(3).collect(),
+        corners,
+        ..MeshFile::default()
+    };
+    write_file(path, |out| write_obj(out, &file, &file.positions))
+}
+
+fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
+    let written = || {
+        let mut out = BufWriter::new(File::create(path)?);
+        fill(&mut out)?;
+        out.flush()
+    };
+    written().map_err(|e| Error::io(path, &e))
+}

@@ -1,0 +1,60 @@
+//! `homeo map`: the main job on one pair.
+
+use super::args::{Global, MapArgs, MapFlags, RelaxChoice};
+use super::console::Console;
+use super::later;
+use super::progress;
+use super::summary::map_summary;
+use crate::error::{Error, Result};
+use crate::gpu::{Device, DeviceChoice};
+use crate::map::report::Report;
+use crate::pipeline::{MapJob, MapOptions, Relaxation, run_maps};
+use crate::stage::write::check_place;
+use std::process::ExitCode;
+
+/// Runs the command.
+pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCode> {
+    let options = options(&args.options, global)?;
+    check_place(&args.out)?;
+    let job = MapJob {
+        source: args.source.clone(),
+        target: args.target.clone(),
+        landmarks: args.landmarks.clone(),
+        target_landmarks: args.target_landmarks.clone(),
+        out: args.out.clone(),
+    };
+    let report = run_all(vec![job], &options, global, console)?.remove(0);
+    console.result(&report, || map_summary(&report, &args.out, console));
+    Ok(ExitCode::SUCCESS)
+}
+
+/// What the flags of the main job mean; refuses those that come later.
+pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
+    later::refuse_flags(flags)?;
+    let relax = match flags.relax {
+        RelaxChoice::None => Relaxation::None,
+        RelaxChoice::Patch => Relaxation::Patch,
+        RelaxChoice::Full => Relaxation::Full,
+    };
+    Ok(MapOptions { relax, image: flags.image, seed: global.seed })
+}
+
+/// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.
+pub fn run_all(jobs: Vec<MapJob>, options: &MapOptions, global: &Global, console: &Console) -> Result<Vec<Report>> {
+    let Ok(choice) = global.device.parse::<DeviceChoice>();
+    let device = Device::open(&choice)?;
+    let count = jobs.len();
+    let mut outcomes = Vec::with_capacity(count);
+    {
+        let observer = progress::observer(global, count);
+        run_maps(jobs, options, device, observer.as_ref(), |outcome| outcomes.push(outcome.value));
+    }
+    let reports = outcomes.into_iter().collect::<Result<Vec<Report>>>()?;
+    if reports.len() != count {
+        return Err(Error::bug(format!("{} of {count} jobs came to an end", reports.len())));
+    }
+    for warning in reports.iter().flat_map(|r| &r.warnings) {
+        console.warn(warning);
+    }
+    Ok(reports)
+}

@@ -1,0 +1,92 @@
+//! The command line: what was typed, what it means, what is printed.
+
+mod args;
+mod check;
+mod console;
+mod demo;
+mod devices;
+mod later;
+mod map;
+mod measure;
+mod progress;
+mod summary;
+mod table;
+
+use crate::error::{Error, Result};
+use crate::pipeline::{install_panic_hook, message_of};
+use args::{Cli, Command, Global};
+use clap::Parser;
+use clap::error::ErrorKind;
+use console::Console;
+use std::ffi::OsString;
+use std::panic::catch_unwind;
+use std::process::ExitCode;
+
+/// Runs the program on its arguments, the program's name first; the exit code says how it went.
+pub fn run(arguments: Vec<OsString>) -> ExitCode {
+    install_panic_hook();
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
+        Err(e) => return refuse_arguments(&e, &arguments),
+    };
+    let console = Console::new(&cli.global);
+    let outcome = catch_unwind(|| dispatch(&cli, &console));
+    let result = outcome.unwrap_or_else(|payload| Err(Error::bug(message_of(payload.as_ref()))));
+    match result {
+        Ok(code) => code,
+        Err(error) => {
+            console.error(&error);
+            ExitCode::from(error.kind.exit_code())
+        }
+    }
+}
+
+fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
+    later::refuse_command(&cli.command)?;
+    set_threads(&cli.global)?;
+    match &cli.command {
+        Command::Map(args) => map::run(args, &cli.global, console),
+        Command::Demo(args) => demo::run(args, &cli.global, console),
+        Command::Check(args) => check::run(args, console),
+        Command::Measure(args) => measure::run(args, console),
+        Command::Devices => devices::run(&cli.global, console),
+        Command::Texture(_)
+        | Command::Diffuse(_)
+        | Command::Bake(_)
+        | Command::Transfer(_)
+        | Command::Morph(_)
+        | Command::Batch(_) => unreachable!("refused above"),
+    }
+}
+
+/// Prints help or the version as asked, or what is wrong with the arguments in one line.
+fn refuse_arguments(error: &clap::Error, arguments: &[OsString]) -> ExitCode {
+    let is_message = matches!(
+        error.kind(),
+        ErrorKind::DisplayHelp | ErrorKind::DisplayVersion | ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand
+    );
+    if is_message {
+        // The only failure is a reader that went away.
+        let _ = error.print();
+        return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+    }
+    let given = |flag: &str| arguments.iter().any(|a| a == flag);
+    let error = Error::usage(one_line(&error.to_string())).remedy("see homeo --help");
+    Console::for_bad_arguments(given("--json")).error(&error);
+    ExitCode::from(error.kind.exit_code())
+}
+
+/// What is wrong and the hints, without the usage text and line breaks.
+fn one_line(message: &str) -> String {
+    let lines = message.lines().map(str::trim).filter(|l| !l.is_empty());
+    let told = lines.take_while(|l| !l.starts_with("Usage:") && !l.starts_with("For more information"));
+    let text = told.collect::<Vec<_>>().join(" ");
+    text.strip_prefix("error: ").unwrap_or(&text).to_owned()
+}
+
+/// The size of the pool that the CPU stages share; without the flag it is one thread per core.
+fn set_threads(global: &Global) -> Result<()> {
+    let Some(threads) = global.threads else { return Ok(()) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads)).build_global();
+    pool.map_err(|e| Error::usage(format!("cannot start {threads} threads: {e}")).remedy("ask for fewer"))
+}

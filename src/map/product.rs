@@ -1,0 +1,85 @@
+//! Everything that is written out about a finished map, as references to what the stages made.
+
+use super::base_complex::BaseComplex;
+use super::certificate::Certificate;
+use super::distortion::{Distortion, distortion};
+use super::flips::flips_on_target;
+use super::report::{LayoutSummary, MeshSummary};
+use super::tile_table::TileTable;
+use crate::mesh::io::{Landmarks, MeshFile};
+use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh, VertexId};
+use glam::DVec3;
+
+/// One mesh of the pair, with where its vertices go.
+#[derive(Clone, Copy, Debug)]
+pub struct Side<'a> {
+    /// The mesh as it was read: polygons, texture coordinates, order.
+    pub file: &'a MeshFile,
+    /// The same as an oriented manifold; vertex and triangle numbers are the file's, while the corners of triangles that
+    /// had to be turned over stand in another order.
+    pub mesh: &'a TriMesh,
+    /// The arcs of the layout on this mesh, each from its first end to its second.
+    pub arcs: &'a IdVec<ArcId, Vec<SurfacePoint>>,
+    /// Where each of this mesh's vertices lies on the other mesh; None for vertices that no face uses.
+    pub image: &'a IdVec<VertexId, Option<SurfacePoint>>,
+}
+
+/// A finished map.
+#[derive(Clone, Debug)]
+pub struct Product<'a> {
+    /// The source and its image on the target.
+    pub source: Side<'a>,
+    /// The target and its image on the source.
+    pub target: Side<'a>,
+    /// The landmarks, in the order of the base complex.
+    pub landmarks: &'a Landmarks,
+    /// The base complex that both layouts carry.
+    pub base: &'a BaseComplex,
+    /// The layout in numbers.
+    pub layout: LayoutSummary,
+    /// Why the map is a homeomorphism.
+    pub certificate: Certificate,
+    /// Geometry images, unless they were not wanted.
+    pub images: Option<&'a GeometryImages>,
+    /// The compute device, in words.
+    pub device: &'a str,
+    /// What a user should know about this result.
+    pub warnings: Vec<String>,
+}
+
+/// Geometry images over one atlas.
+#[derive(Clone, Debug)]
+pub struct GeometryImages {
+    /// The atlas.
+    pub table: TileTable,
+    /// File name and content of each image.
+    pub files: Vec<(String, Vec<u8>)>,
+}
+
+impl Side<'_> {
+    /// The mesh in numbers.
+    pub fn summary(&self) -> MeshSummary {
+        MeshSummary {
+            file: self.file.path.display().to_string(),
+            vertices: self.mesh.conn.vertex_count(),
+            faces: self.mesh.conn.face_count(),
+            genus: self.mesh.genus(),
+            boundary_loops: self.mesh.conn.boundary_loops().len(),
+        }
+    }
+
+    /// The positions of the vertices' images on the mesh of `other`: the compatible mesh.
+    ///
+    /// A vertex that no face uses has no image; it is put at the first vertex's, where it does no harm.
+    pub fn image_positions(&self, other: &Side) -> IdVec<VertexId, DVec3> {
+        let anywhere = self.image.iter().flatten().next().map_or(DVec3::ZERO, |p| p.position(other.mesh));
+        self.image.iter().map(|p| p.map_or(anywhere, |p| p.position(other.mesh))).collect()
+    }
+
+    /// The measures of the compatible mesh on the mesh of `other`.
+    pub fn distortion(&self, other: &Side) -> Distortion {
+        let image = self.image_positions(other);
+        let flips = flips_on_target(self.mesh, other.mesh, self.image, &image).len();
+        distortion(&self.mesh.faces(), &self.mesh.positions, &image, flips)
+    }
+}

@@ -1,0 +1,41 @@
+//! Checks that triangles form an oriented manifold and names every fault with its element.
+//!
+//! Faces that were turned over are turned back where that is all it takes. Whatever else stands in the way of a manifold
+//! is a fault; what a map survives (zero-area faces, unused or doubled vertices, an inside-out mesh) is a warning.
+
+mod diagnose;
+mod geometry;
+mod parity;
+mod report;
+
+pub use report::{BoundaryLoop, Component, Fault, Report, Warning};
+
+use super::{TriMesh, VertexId};
+use diagnose::diagnose;
+use glam::DVec3;
+
+/// Checks a mesh. The report owns the repaired mesh if it has no fault; see [`Report::take_mesh`].
+pub fn check(positions: &[DVec3], triangles: &[[VertexId; 3]]) -> Report {
+    let mut report = Report { vertices: positions.len(), faces: triangles.len(), ..Report::default() };
+    let finite = |(v, p): (u32, &DVec3)| (!p.is_finite()).then_some(Fault::NotFinite { vertex: VertexId(v) });
+    report.faults.extend((0..).zip(positions).filter_map(finite));
+    report.warnings = geometry::oddities(positions, triangles);
+    if triangles.is_empty() {
+        report.faults.push(Fault::NoFaces);
+    }
+    // A mesh that can be joined as it is has no fault of connectivity: only the others are searched for them.
+    let mesh = TriMesh::new(positions.to_vec(), triangles).or_else(|_| {
+        let diagnosis = diagnose(positions.len(), triangles);
+        report.faults.extend(diagnosis.faults);
+        report.flipped = diagnosis.flipped;
+        report.components = diagnosis.components;
+        let mut repaired = triangles.to_vec();
+        report.flipped.iter().for_each(|f| repaired[f.0 as usize].swap(1, 2));
+        TriMesh::new(positions.to_vec(), &repaired)
+    });
+    if let (Ok(mesh), true) = (mesh, report.faults.is_empty()) {
+        geometry::measure(&mesh, &mut report);
+        report.mesh = Some(mesh);
+    }
+    report
+}

@@ -1,0 +1,80 @@
+//! The geometry images of a finished map: joins the atlas, the map and the kernels to the bake stage.
+
+use crate::error::{Error, Result};
+use crate::gpu::Compute;
+use crate::kernel::{self, Lanes, Lists, vertex_stretch::vertex_stretch};
+use crate::map::atlas::{Atlas, BaseSample};
+use crate::map::embedding::EmbeddedMesh;
+use crate::map::product::GeometryImages;
+use crate::map::surface_map::{Chart, SurfaceMap};
+use crate::map::tile_table::TileTable;
+use crate::mesh::{FaceId, IdVec, TriMesh, VertexId};
+use crate::path::base_complex::BaseComplex;
+use crate::stage::bake::{BakedImage, Query, Sampled, bake};
+use crate::stage::compose::Composed;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// The images with `size` samples along a tile's side; none if `size` is 0.
+pub fn geometry_images(
+    compute: &Compute,
+    meshes: [&TriMesh; 2],
+    composed: &Composed,
+    size: usize,
+) -> Result<Option<GeometryImages>> {
+    if size == 0 {
+        return Ok(None);
+    }
+    let base = &composed.embedding.base;
+    let atlas = Atlas::new(base, size, None)?;
+    let samples: Vec<BaseSample> = atlas.samples(base).map(|(_, sample)| sample).collect();
+    let points = |k: usize| sample_points(meshes[k], &composed.embedding.meshes[k], base, &samples);
+    let (on_source, on_target) = (points(0)?, points(1)?);
+    let stretch = stretch_at_vertices(compute, meshes, &composed.maps[0])?;
+    let resample = |values: &[Lanes], queries: &[Query]| {
+        let query = |&([i0, i1, i2], [w0, w1, w2]): &Query| kernel::Query { i0, i1, i2, w0, w1, w2 };
+        kernel::resample(compute, &queries.iter().map(query).collect::<Vec<_>>(), values)
+    };
+    let source = Sampled { mesh: meshes[0], points: &on_source };
+    let target = Sampled { mesh: meshes[1], points: &on_target };
+    let table = TileTable::new(&atlas, base);
+    let images = bake(base, &atlas, source, target, &stretch, &resample)?;
+    let file = |image: &BakedImage| Ok((format!("{}.exr", image.name), image.encode(&table)?));
+    let files = images.iter().map(file).collect::<Result<_>>()?;
+    Ok(Some(GeometryImages { table, files }))
+}
+
+/// The places of the samples on a mesh.
+fn sample_points(
+    mesh: &TriMesh,
+    embedded: &EmbeddedMesh,
+    base: &BaseComplex,
+    samples: &[BaseSample],
+) -> Result<Vec<(FaceId, [f64; 3])>> {
+    let chart = Chart::new(mesh, embedded, base);
+    let place = |&sample: &BaseSample| {
+        let point = chart.point(sample)?;
+        point.on_face(mesh).ok_or_else(|| Error::bug(format!("a sample lies on no face, {point:?}")))
+    };
+    samples.par_iter().map(place).collect()
+}
+
+/// The L2 stretch of the map at every source vertex, after the scale that makes both areas equal.
+fn stretch_at_vertices(
+    compute: &Compute,
+    [source, target]: [&TriMesh; 2],
+    map: &SurfaceMap,
+) -> Result<IdVec<VertexId, f64>> {
+    let image: Vec<DVec3> = map.images.iter().map(|p| p.map_or(DVec3::ZERO, |p| p.position(target))).collect();
+    let faces = source.faces();
+    let area = |p: &[DVec3]| faces.iter().map(|t| crate::mesh::metric::area(t.map(|v| p[v.0 as usize]))).sum::<f64>();
+    let lanes = |p: &[DVec3]| -> Vec<Lanes> {
+        let unit = area(p).sqrt().recip();
+        p.iter().map(|p| (*p * unit).as_vec3().extend(0.0).to_array()).collect()
+    };
+    let triangles: Vec<[u32; 3]> = faces.iter().map(|t| t.map(|v| v.0)).collect();
+    let stretches = kernel::stretch(compute, &triangles, &lanes(&source.positions.raw), &lanes(&image))?;
+    let incident = Lists::incident(image.len(), &triangles)?;
+    let mean = vertex_stretch(compute, &incident, &stretches, &vec![1.0; image.len()], 0)?;
+    Ok(mean.into_iter().map(f64::from).collect())
+}

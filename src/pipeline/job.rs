@@ -1,0 +1,47 @@
+//! A job of the main pipeline and its options.
+
+use std::path::PathBuf;
+
+/// One pair to be mapped.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapJob {
+    /// The mesh to be mapped.
+    pub source: PathBuf,
+    /// The mesh it is mapped onto.
+    pub target: PathBuf,
+    /// The landmarks of both meshes, or of the source if there is a second file.
+    pub landmarks: PathBuf,
+    /// The landmarks of the target, if they have a file of their own.
+    pub target_landmarks: Option<PathBuf>,
+    /// Where the results go.
+    pub out: PathBuf,
+}
+
+/// How far the distortion is lowered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Relaxation {
+    /// Not at all: mean value embeddings as they are.
+    None,
+    /// Within each patch, arcs held.
+    Patch,
+    /// Across the arcs, which move with it.
+    #[default]
+    Full,
+}
+
+/// How pairs are mapped; common to the jobs of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MapOptions {
+    /// How far the distortion is lowered; default: across the arcs.
+    pub relax: Relaxation,
+    /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images. Default 65.
+    pub image: usize,
+    /// Seed of whatever is drawn by chance. Default 0.
+    pub seed: u64,
+}
+
+impl Default for MapOptions {
+    fn default() -> Self {
+        MapOptions { relax: Relaxation::default(), image: 65, seed: 0 }
+    }
+}

@@ -1,0 +1,23 @@
+//! A pair on its way through the stages.
+
+use crate::error::Result;
+use crate::stage::check::Checked;
+use std::path::PathBuf;
+
+/// What every stage may look at, and what the last stage made.
+pub struct Pair<T> {
+    /// Where the results go.
+    pub out: PathBuf,
+    /// The meshes and landmarks.
+    pub checked: Checked,
+    /// The product of the last stage.
+    pub made: T,
+}
+
+impl<T> Pair<T> {
+    /// Puts the product of the next stage in the place of the last one's.
+    pub fn then<U>(self, stage: impl FnOnce(&Checked, T) -> Result<U>) -> Result<Pair<U>> {
+        let made = stage(&self.checked, self.made)?;
+        Ok(Pair { out: self.out, checked: self.checked, made })
+    }
+}

@@ -1,0 +1,88 @@
+//! The list of stages, in the order in which a job passes them, and the line they make.
+
+use super::job::{MapJob, MapOptions};
+use super::line::{Line, Outcome};
+use super::observer::Observer;
+use super::steps;
+use crate::gpu::Device;
+use crate::map::report::Report;
+use std::thread;
+
+/// Maps pairs: every job passes all stages; `take` gets the outcomes in the order of the jobs.
+///
+/// Several jobs are in flight at once, each in a stage of its own.
+pub fn run_maps(
+    jobs: Vec<MapJob>,
+    options: &MapOptions,
+    device: Device,
+    observer: &dyn Observer,
+    take: impl FnMut(Outcome<Report>),
+) {
+    let (compute, device) = (&device.compute, &steps::device_line(&device));
+    thread::scope(|scope| {
+        Line::start(scope, observer, jobs)
+            .then(Stage::Load, steps::load)
+            .then(Stage::Check, steps::check)
+            .then(Stage::Cluster, steps::cluster)
+            .then(Stage::Trace, steps::trace)
+            .then(Stage::Embed, steps::embed)
+            .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, step))
+            .then(Stage::Compose, steps::compose)
+            .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, step))
+            .then(Stage::Write, |pair, step| steps::write(pair, device, step))
+            .finish(take);
+    });
+}
+
+/// A stage of the main job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Reads both meshes and the landmarks.
+    Load,
+    /// Turns them into manifolds or says what is wrong.
+    Check,
+    /// Grows the landmarks' surface Voronoi cells.
+    Cluster,
+    /// Traces the arcs of the layout on both meshes.
+    Trace,
+    /// Embeds every patch into its base triangle.
+    Embed,
+    /// Lowers the distortion; owns the compute device.
+    Relax,
+    /// Joins the embeddings into the map and certifies it.
+    Compose,
+    /// Samples the common atlas.
+    Bake,
+    /// Writes the output folder.
+    Write,
+}
+
+impl Stage {
+    /// All stages in order.
+    pub const ALL: [Stage; 9] = [
+        Stage::Load,
+        Stage::Check,
+        Stage::Cluster,
+        Stage::Trace,
+        Stage::Embed,
+        Stage::Relax,
+        Stage::Compose,
+        Stage::Bake,
+        Stage::Write,
+    ];
+
+    /// The stage's name in reports, logs and benches.
+    pub fn name(self) -> &'static str {
+        match self {
+            Stage::Load => "load",
+            Stage::Check => "check",
+            Stage::Cluster => "cluster",
+            Stage::Trace => "trace",
+            Stage::Embed => "embed",
+            Stage::Relax => "relax",
+            Stage::Compose => "compose",
+            Stage::Bake => "bake",
+            Stage::Write => "write",
+        }
+    }
+}

@@ -1,0 +1,150 @@
+//! What each stage does with a job: fetches its input from the pair, calls the stage, says a word about the result.
+
+use super::images::geometry_images;
+use super::job::{MapJob, Relaxation};
+use super::line::Step;
+use super::pair::Pair;
+use crate::error::Result;
+use crate::gpu::{Compute, Device};
+use crate::map::embedding::Embedding;
+use crate::map::product::{GeometryImages, Product, Side};
+use crate::map::report::{LayoutSummary, Report};
+use crate::mesh::{TriMesh, VertexId};
+use crate::path::cluster::Clusters;
+use crate::stage;
+use crate::stage::check::{Checked, LoadedMesh};
+use crate::stage::compose::Composed;
+use crate::stage::layout::Layout;
+use crate::stage::load::{LoadOptions, Loaded};
+use crate::stage::relax::{RelaxOptions, relax_arcs, relax_patches};
+use std::path::PathBuf;
+
+/// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
+const EDGE_NODES: u32 = 3;
+
+/// Both meshes embedded, with the layout in numbers and what the user should know.
+pub struct Embedded {
+    summary: LayoutSummary,
+    embedding: Embedding,
+    notes: Vec<String>,
+}
+
+/// A finished map before it is written.
+pub struct Finished {
+    summary: LayoutSummary,
+    composed: Composed,
+    notes: Vec<String>,
+    images: Option<GeometryImages>,
+}
+
+pub fn load(job: MapJob, step: &Step) -> Result<(PathBuf, Loaded)> {
+    let MapJob { source, target, landmarks, target_landmarks, out } = job;
+    let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks })?;
+    let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
+    let landmarks = loaded.landmarks.names.len();
+    step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
+    Ok((out, loaded))
+}
+
+pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
+    Ok(Pair { out, checked: stage::check::check(loaded)?, made: () })
+}
+
+pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<[Clusters; 2]>> {
+    pair.then(|checked, ()| {
+        let clusters = stage::cluster::cluster(meshes(checked), landmarks(checked));
+        step.detail(format!("{} and {} cuts", clusters[0].cuts.len(), clusters[1].cuts.len()));
+        Ok(clusters)
+    })
+}
+
+pub fn trace(pair: Pair<[Clusters; 2]>, step: &Step) -> Result<Pair<Layout>> {
+    pair.then(|checked, clusters| {
+        let mut layouts = stage::layout::layouts(meshes(checked), landmarks(checked), &clusters, EDGE_NODES, 1)?;
+        let layout = layouts.swap_remove(0);
+        step.detail(format!("{} arcs, {} patches", layout.base.arcs.len(), layout.base.patches.len()));
+        Ok(layout)
+    })
+}
+
+pub fn embed(pair: Pair<Layout>, _: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|checked, layout| {
+        let summary = LayoutSummary {
+            kind: "voronoi",
+            arcs: layout.base.arcs.len(),
+            patches: layout.base.patches.len(),
+            postponed: layout.postponed,
+            flips: 0,
+        };
+        let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
+        Ok(Embedded { summary, embedding, notes })
+    })
+}
+
+pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|checked, mut embedded| {
+        let options = RelaxOptions::default();
+        let energies = match how {
+            Relaxation::None => Vec::new(),
+            Relaxation::Patch => relax_patches(meshes(checked), &mut embedded.embedding, &options),
+            Relaxation::Full => relax_arcs(meshes(checked), &mut embedded.embedding, &options)?,
+        };
+        if let [first, .., last] = energies.as_slice() {
+            step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", energies.len() - 1));
+        }
+        Ok(embedded)
+    })
+}
+
+pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
+    pair.then(|checked, Embedded { summary, embedding, notes }| {
+        let composed = stage::compose::compose(meshes(checked), embedding)?;
+        step.detail(if composed.certificate.bijective { "certified" } else { "not certified" });
+        Ok(Finished { summary, composed, notes, images: None })
+    })
+}
+
+pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, step: &Step) -> Result<Pair<Finished>> {
+    pair.then(|checked, finished| {
+        let images = geometry_images(compute, meshes(checked), &finished.composed, size)?;
+        step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
+        Ok(Finished { images, ..finished })
+    })
+}
+
+pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> {
+    let Pair { out, checked, made } = &pair;
+    let product = Product {
+        source: side(&checked.source, &made.composed, 0),
+        target: side(&checked.target, &made.composed, 1),
+        landmarks: &checked.landmarks,
+        base: &made.composed.embedding.base,
+        layout: made.summary.clone(),
+        certificate: made.composed.certificate,
+        images: made.images.as_ref(),
+        device,
+        warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
+    };
+    stage::write::write(&product, out, || step.seconds())
+}
+
+fn side<'a>(LoadedMesh { file, mesh, .. }: &'a LoadedMesh, composed: &'a Composed, k: usize) -> Side<'a> {
+    Side { file, mesh, arcs: &composed.arcs[k], image: &composed.maps[k].images }
+}
+
+/// The device in the report; without the number of threads, on which no result depends.
+pub fn device_line(device: &Device) -> String {
+    let name = match device.compute {
+        Compute::Cpu => "CPU",
+        Compute::Gpu(_) => &device.description,
+    };
+    device.note.as_ref().map_or(name.to_owned(), |note| format!("{name}; {note}"))
+}
+
+fn meshes(checked: &Checked) -> [&TriMesh; 2] {
+    [&checked.source.mesh, &checked.target.mesh]
+}
+
+fn landmarks(checked: &Checked) -> [&[VertexId]; 2] {
+    [&checked.landmarks.source, &checked.landmarks.target]
+}

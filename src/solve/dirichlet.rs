@@ -1,0 +1,131 @@
+//! Symmetric Dirichlet energy of a triangle that moves in a plane domain with a metric, and its derivatives.
+//!
+//! A triangle of one mesh, at rest in its own plane, is mapped into the domain by a matrix M. The other mesh, embedded in
+//! the same domain, gives it a metric G there: lengths on that mesh. The map between the meshes then stretches by
+//! tr(M' G M), its inverse by tr(M' G M) / det(M' G M). A triangle may lie under several metrics with weights w; their
+//! sums are all that is needed, so they are gathered once:
+//!
+//!   energy = ( tr(M' P M) + tr(M' Q M) / det(M)^2 ) / 4,    P = sum w G,    Q = sum w G / det G.
+//!
+//! With weights that sum to the triangle's area this is the area times the symmetric Dirichlet energy, 1 for an
+//! isometry (`algorithms.md` 1).
+
+use glam::{DMat2, DVec2};
+
+/// The metrics over a triangle, gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Metrics {
+    /// Weighted sum of the metrics.
+    pub sum: DMat2,
+    /// Weighted sum of the metrics divided by their determinants.
+    pub inverse: DMat2,
+    /// Sum of the weights.
+    pub weight: f64,
+}
+
+impl Metrics {
+    /// Nothing gathered yet.
+    pub const NONE: Metrics = Metrics { sum: DMat2::ZERO, inverse: DMat2::ZERO, weight: 0.0 };
+
+    /// Adds the metric that a derivative by the two plane coordinates gives.
+    pub fn add(&mut self, [du, dv]: [glam::DVec3; 2], weight: f64) {
+        let (a, b, c) = (du.length_squared(), du.dot(dv), dv.length_squared());
+        let metric = DMat2::from_cols(DVec2::new(a, b), DVec2::new(b, c));
+        let det = du.cross(dv).length_squared();
+        if det.is_normal() {
+            self.sum += metric * weight;
+            self.inverse += metric * (weight / det);
+            self.weight += weight;
+        }
+    }
+}
+
+/// Energy with its first and second derivative by the moved corner.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Local {
+    /// Energy.
+    pub energy: f64,
+    /// First derivative.
+    pub gradient: DVec2,
+    /// Second derivative.
+    pub hessian: DMat2,
+}
+
+/// A triangle at rest.
+#[derive(Clone, Copy, Debug)]
+pub struct Rest {
+    /// Corners in a plane of its own.
+    corners: [DVec2; 3],
+}
+
+impl Rest {
+    /// From the corners in a plane, counter-clockwise.
+    pub fn new(corners: [DVec2; 3]) -> Self {
+        Rest { corners }
+    }
+
+    /// Maps the two edges at corner `i` to the unit vectors.
+    fn inverse(&self, i: usize) -> DMat2 {
+        let at = |k: usize| self.corners[(i + k) % 3] - self.corners[i];
+        DMat2::from_cols(at(1), at(2)).inverse()
+    }
+
+    /// Energy with corner `i` at `p` and the next two corners at `b` and `c`; infinite unless they turn left.
+    pub fn energy(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> f64 {
+        let m = DMat2::from_cols(b - p, c - p) * self.inverse(i);
+        let det = m.determinant();
+        if !(det > 0.0) {
+            return f64::INFINITY;
+        }
+        (quadratic(metrics.sum, m) + quadratic(metrics.inverse, m) / (det * det)) * 0.25
+    }
+
+    /// Energy and derivatives by `p`. As M changes by a rank-one matrix, its determinant is linear in `p`.
+    pub fn local(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> Local {
+        let inverse = self.inverse(i);
+        let m = DMat2::from_cols(b - p, c - p) * inverse;
+        let r = DVec2::new(inverse.x_axis.x + inverse.x_axis.y, inverse.y_axis.x + inverse.y_axis.y);
+        let det = m.determinant();
+        let cofactor = DMat2::from_cols(DVec2::new(m.y_axis.y, -m.y_axis.x), DVec2::new(-m.x_axis.y, m.x_axis.x));
+        let (a, w) = (metrics.inverse * (m * r), cofactor * r);
+        let q = quadratic(metrics.inverse, m);
+        let d2 = det * det;
+        let gradient = metrics.sum * (m * r) * -2.0 - a * (2.0 / d2) + w * (2.0 * q / (d2 * det));
+        let hessian = (metrics.sum + metrics.inverse * (1.0 / d2)) * (2.0 * r.length_squared())
+            - (outer(a, w) + outer(w, a)) * (4.0 / (d2 * det))
+            + outer(w, w) * (6.0 * q / (d2 * d2));
+        Local {
+            energy: (quadratic(metrics.sum, m) + q / d2) * 0.25,
+            gradient: gradient * 0.25,
+            hessian: hessian * 0.25,
+        }
+    }
+}
+
+/// tr(M' S M).
+fn quadratic(s: DMat2, m: DMat2) -> f64 {
+    m.x_axis.dot(s * m.x_axis) + m.y_axis.dot(s * m.y_axis)
+}
+
+fn outer(a: DVec2, b: DVec2) -> DMat2 {
+    DMat2::from_cols(a * b.x, a * b.y)
+}
+
+/// The Newton step -H^-1 g with the eigenvalues of H replaced by their magnitudes, so that it always descends.
+///
+/// None if the step is not finite.
+pub fn newton_step(local: &Local) -> Option<DVec2> {
+    let h = local.hessian;
+    let (a, b, c) = (h.x_axis.x, 0.5 * (h.x_axis.y + h.y_axis.x), h.y_axis.y);
+    let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
+    let radius = half.hypot(b);
+    let axis = if b == 0.0 && half >= 0.0 { DVec2::X } else { DVec2::new(b, radius - half).normalize_or(DVec2::Y) };
+    let floor = LEAST_CURVATURE * (mean.abs() + radius);
+    let along = local.gradient.dot(axis) / (mean + radius).abs().max(floor);
+    let across = local.gradient.dot(axis.perp()) / (mean - radius).abs().max(floor);
+    let step = -(axis * along + axis.perp() * across);
+    step.is_finite().then_some(step)
+}
+
+/// Eigenvalues of the second derivative below this share of the largest count as that share: steps stay bounded.
+const LEAST_CURVATURE: f64 = 1e-3;

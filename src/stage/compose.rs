@@ -1,0 +1,47 @@
+//! Stage: the map itself, both ways, and its certificate (`algorithms.md` 2).
+//!
+//! Input: both meshes embedded in the base complex. Output: where every vertex of either mesh lies on the other, the arcs
+//! as curves, and what the certificate says.
+
+use crate::error::Result;
+use crate::map::certificate::{Certificate, certify};
+use crate::map::embedding::{EmbeddedMesh, Embedding};
+use crate::map::surface_map::{Chart, SurfaceMap, compose as compose_one};
+use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh};
+use crate::path::base_complex::BaseComplex;
+
+/// A finished map.
+#[derive(Clone, Debug)]
+pub struct Composed {
+    /// Both meshes over the base complex.
+    pub embedding: Embedding,
+    /// Source to target, and target to source.
+    pub maps: [SurfaceMap; 2],
+    /// The arcs on either mesh, each from its first end to its second.
+    pub arcs: [IdVec<ArcId, Vec<SurfacePoint>>; 2],
+    /// Why the map is a bijection.
+    pub certificate: Certificate,
+}
+
+/// Composes the map both ways and certifies it.
+pub fn compose(meshes: [&TriMesh; 2], embedding: Embedding) -> Result<Composed> {
+    let Embedding { base, meshes: embedded, .. } = &embedding;
+    let one_way = |from: usize, onto: usize| {
+        let chart = Chart::new(meshes[onto], &embedded[onto], base);
+        compose_one(&embedded[from], base, meshes[from].positions.len(), &chart)
+    };
+    let (forward, backward) = rayon::join(|| one_way(0, 1), || one_way(1, 0));
+    let maps = [forward?, backward?];
+    let arcs = [curves(&embedded[0], base), curves(&embedded[1], base)];
+    let certificate = certify(&embedding);
+    Ok(Composed { embedding, maps, arcs, certificate })
+}
+
+fn curves(embedded: &EmbeddedMesh, base: &BaseComplex) -> IdVec<ArcId, Vec<SurfacePoint>> {
+    let cut = &embedded.cut;
+    let curve = |(arc, ends): (ArcId, &[crate::mesh::LandmarkId; 2])| {
+        let starts = cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.origin[cut.conn.from(h)]);
+        starts.chain([SurfacePoint::Vertex(cut.landmarks[ends[1]])]).collect()
+    };
+    base.arcs.iter_ids().map(curve).collect()
+}

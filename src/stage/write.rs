@@ -1,0 +1,99 @@
+//! Writes a finished map: meshes, image points, layout, report, into a folder that appears complete or not at all.
+
+pub mod folder;
+pub mod points_csv;
+
+pub use folder::{OutputFolder, check_place};
+
+use crate::error::Result;
+use crate::map::file_order::Onto;
+use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
+use crate::map::product::{Product, Side};
+use crate::map::report::{Report, peak_bytes};
+use crate::mesh::io::write_obj;
+use folder::REPORT_FILE;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// Writes all files of a finished map into `dir`, which appears as a whole at the end, and returns the report.
+///
+/// `seconds` is asked for the time per stage just before the report, the last file, is written.
+pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Result<Report> {
+    let folder = OutputFolder::create(dir)?;
+    write_side(&folder, "source_on_target", &product.source, &product.target)?;
+    write_side(&folder, "target_on_source", &product.target, &product.source)?;
+    for (name, bytes) in product.images.iter().flat_map(|images| &images.files) {
+        folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
+    }
+    folder.write("layout.json", |out| Ok(serde_json::to_writer(out, &layout_file(product))?))?;
+    let report = report(product, seconds);
+    folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
+    folder.commit()?;
+    Ok(report)
+}
+
+/// The compatible mesh of `side` at the shape of `other`, and its vertices' places there.
+fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> Result<()> {
+    let positions = side.image_positions(other);
+    let triangles = other.file.triangles();
+    let onto = Onto { mesh: other.mesh, triangles: &triangles };
+    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, side.file, &positions.raw))?;
+    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, onto))
+}
+
+fn layout_file(product: &Product) -> LayoutFile {
+    let given = product.landmarks;
+    let landmark = |(i, name): (usize, &String)| LandmarkEntry {
+        name: name.clone(),
+        source_vertex: given.source[i].0,
+        target_vertex: given.target[i].0,
+    };
+    let (arcs, patches) = base_entries(product.base);
+    LayoutFile {
+        landmarks: given.names.iter().enumerate().map(landmark).collect(),
+        arcs,
+        patches,
+        atlas: product.images.map(|images| images.table.clone()),
+        source: side_arcs(&product.source),
+        target: side_arcs(&product.target),
+    }
+}
+
+fn side_arcs(side: &Side) -> Vec<Polyline> {
+    polylines(side.arcs, Onto { mesh: side.mesh, triangles: &side.file.triangles() })
+}
+
+fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
+    let forward = product.source.distortion(&product.target);
+    let backward = product.target.distortion(&product.source);
+    let mut warnings = product.warnings.clone();
+    if !product.certificate.bijective {
+        warnings.push("the map is NOT certified: see certificate for the condition that fails".to_owned());
+    }
+    warnings.extend(flip_warning("source_on_target.obj", forward.forward.flips));
+    warnings.extend(flip_warning("target_on_source.obj", backward.forward.flips));
+    Report {
+        version: env!("CARGO_PKG_VERSION"),
+        device: product.device.to_owned(),
+        source: product.source.summary(),
+        target: product.target.summary(),
+        landmarks: product.landmarks.names.len(),
+        layout: product.layout.clone(),
+        certificate: product.certificate,
+        distortion: forward,
+        distortion_target_on_source: backward,
+        seconds: seconds(),
+        peak_bytes: peak_bytes(),
+        warnings,
+    }
+}
+
+/// A map without turned-over triangles can still have turned-over samples.
+fn flip_warning(file: &str, flips: usize) -> Option<String> {
+    (flips > 0).then(|| {
+        format!(
+            "{file}: {flips} triangles are collapsed or turned over: the map is sampled at the vertices only, and these \
+             triangles are too coarse for a fold of the surface they are mapped onto"
+        )
+    })
+}
