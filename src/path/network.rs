@@ -2,9 +2,10 @@
 
 use super::base_complex::DirectedArc;
 use super::cut_mesh::{CutMesh, Place};
-use super::search::{Anywhere, Path, Searcher, Terminal};
+use super::search::{Anywhere, Passage, Path, Searcher, Terminal};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
+use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
+use std::collections::HashMap;
 
 /// The faces around a landmark between two neighbouring arcs.
 #[derive(Clone, Debug)]
@@ -49,22 +50,102 @@ pub struct Corner {
 
 /// Embeds a path as an arc: splits the edges it crosses and marks the edges it then runs along.
 ///
-/// Fails if the path touches itself, which a shortest path never does.
+/// The path may cross a face several times (it must where a region is one face wide), as long as it does not cross
+/// itself, which a shortest path never does.
 pub fn embed(cut: &mut CutMesh, mesh: &TriMesh, path: &Path, arc: ArcId) -> Result<()> {
-    let torn = |a: VertexId| Error::bug("a traced path does not embed").at(format!("{arc} near {a}"));
-    let mut vertices = Vec::with_capacity(path.nodes.len());
-    for &node in &path.nodes {
-        vertices.push(match cut.place(node) {
+    Inlay { cut, mesh, arc, whole: HashMap::new() }.lay(path)
+}
+
+/// A path being laid into a cut mesh.
+struct Inlay<'a> {
+    cut: &'a mut CutMesh,
+    mesh: &'a TriMesh,
+    arc: ArcId,
+    /// For every face made by splitting, the face it is a part of.
+    whole: HashMap<FaceId, FaceId>,
+}
+
+impl Inlay<'_> {
+    fn lay(&mut self, path: &Path) -> Result<()> {
+        let faces: Vec<FaceId> = path.faces.iter().map(|&f| self.whole_face(f)).collect();
+        let vertices = self.make_vertices(path);
+        for (pair, &f) in vertices.windows(2).zip(&faces) {
+            match self.cut.conn.find(pair[0], pair[1]) {
+                Some(h) => self.cut.mark(h, DirectedArc { arc: self.arc, reversed: false }),
+                None => self.cross_parts(pair[0], pair[1], f)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn whole_face(&self, f: FaceId) -> FaceId {
+        self.whole.get(&f).copied().unwrap_or(f)
+    }
+
+    /// The vertices of a path, those on edges made by splitting.
+    fn make_vertices(&mut self, path: &Path) -> Vec<VertexId> {
+        let mut made: HashMap<u32, VertexId> = HashMap::new();
+        for &node in &path.nodes {
+            if let (Place::Edge(h, _), false) = (self.cut.place(node), made.contains_key(&node)) {
+                self.split_at_all(h, path, &mut made);
+            }
+        }
+        let vertex = |&node: &u32| match self.cut.place(node) {
             Place::Vertex(v) => v,
-            Place::Edge(h, t) if cut.nodes_on(h).iter().contains(&node) => cut.split_edge(mesh, h, t),
-            Place::Edge(h, _) => return Err(torn(cut.conn.from(h))),
-        });
+            Place::Edge(..) => made[&node],
+        };
+        path.nodes.iter().map(vertex).collect()
     }
-    for pair in vertices.windows(2) {
-        let h = cut.conn.find(pair[0], pair[1]).ok_or_else(|| torn(pair[0]))?;
-        cut.mark(h, DirectedArc { arc, reversed: false });
+
+    /// Splits the edge of `h` at all nodes of the path on it, the farthest from the start of `h` first.
+    fn split_at_all(&mut self, h: HalfedgeId, path: &Path, made: &mut HashMap<u32, VertexId>) {
+        let edge = self.cut.conn.edge_representative(h);
+        let share = |&node: &u32| match self.cut.place(node) {
+            Place::Edge(k, t) if k == h => Some((t, node)),
+            Place::Edge(k, t) if self.cut.conn.edge_representative(k) == edge => Some((1.0 - t, node)),
+            _ => None,
+        };
+        let mut on: Vec<(f64, u32)> = path.nodes.iter().filter_map(share).collect();
+        on.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut length = 1.0;
+        for (t, node) in on {
+            let sides = [Some(h), self.cut.conn.twin(h)];
+            let first_new = self.cut.conn.face_count();
+            made.insert(node, self.cut.split_edge(self.mesh, h, t / length));
+            for (k, side) in sides.into_iter().flatten().enumerate() {
+                self.whole.insert(FaceId::new(first_new + k), self.whole_face(face_of(side)));
+            }
+            length = t;
+        }
     }
-    Ok(())
+
+    /// Leads the arc from `a` to `b` across the parts of face `f` that earlier steps left between them.
+    fn cross_parts(&mut self, a: VertexId, b: VertexId, f: FaceId) -> Result<()> {
+        let [start, goal] = [a, b].map(|v| Terminal::whole(self.cut, v));
+        let parts = PartsOf { cut: self.cut, whole: &self.whole, face: f };
+        let path = Searcher::default().shortest(self.cut, &start, &goal, &parts);
+        let torn = || Error::bug("a traced path does not embed").at(format!("{} near {a}", self.arc));
+        self.lay(&path.ok_or_else(torn)?)
+    }
+}
+
+/// Keeps a path inside the parts of one face.
+struct PartsOf<'a> {
+    cut: &'a CutMesh,
+    whole: &'a HashMap<FaceId, FaceId>,
+    face: FaceId,
+}
+
+impl Passage for PartsOf<'_> {
+    fn face(&self, f: FaceId) -> bool {
+        self.whole.get(&f).copied().unwrap_or(f) == self.face
+    }
+    fn edge(&self, h: HalfedgeId) -> bool {
+        self.cut.conn.twin(h).is_some_and(|t| self.face(face_of(h)) && self.face(face_of(t)))
+    }
+    fn vertex(&self, _: VertexId) -> bool {
+        false
+    }
 }
 
 /// The open end at a corner.

@@ -13,8 +13,41 @@ use glam::DVec3;
 
 /// Rounds of straightening; arcs bend over a few faces only, and each round moves bends by about one face.
 const ROUNDS: usize = 20;
-/// A crossing keeps this share of its gap to the next crossing on the same edge, so the order on the edge never changes.
-const ELBOW_ROOM: f64 = 0.1;
+/// Crossings keep apart, and off the ends of their edge, by this share of the mean gap on it: with less, taut bundles of
+/// arcs become needle triangles and in the end one point; with more, arcs keep bends that they do not need.
+const ELBOW_ROOM: f64 = 0.05;
+/// Arcs that may be laid before a cut mesh is rebuilt: each may quarter the gaps between crossings.
+const ARCS_BETWEEN_REBUILDS: u32 = 8;
+
+/// Keeps a growing cut mesh small and its crossings apart by rebuilding it now and then.
+///
+/// Without it, arcs that wind around others cross ever more of the edges that laying those has left behind.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Upkeep {
+    arcs_laid: u32,
+    vertices: usize,
+}
+
+impl Upkeep {
+    /// To be called after an arc was laid; `arcs` may list arcs that are not on the mesh.
+    pub fn after_arc(
+        &mut self,
+        mesh: &TriMesh,
+        cut: &mut CutMesh,
+        arcs: &IdVec<ArcId, [LandmarkId; 2]>,
+        edge_nodes: u32,
+    ) {
+        self.arcs_laid += 1;
+        let doubled = cut.conn.vertex_count() > 2 * self.vertices.max(mesh.positions.len());
+        if doubled || self.arcs_laid >= ARCS_BETWEEN_REBUILDS {
+            // What cannot be rebuilt stays as it is, finer than need be.
+            if let Ok(rebuilt) = rebuild(mesh, cut, arcs, edge_nodes) {
+                *cut = rebuilt;
+            }
+            *self = Upkeep { arcs_laid: 0, vertices: cut.conn.vertex_count() };
+        }
+    }
+}
 
 /// A vertex or an edge crossing that an arc passes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,7 +110,24 @@ impl<'a> Network<'a> {
                 return Err(Error::bug("two arcs cross an edge at one point").at(network.crossings[on[0]].edge));
             }
         }
+        network.spread();
         Ok(network)
+    }
+
+    /// Moves crossings apart where the gaps on an edge are very uneven.
+    fn spread(&mut self) {
+        for on in &self.on_edge.raw {
+            let mean = 1.0 / (on.len() + 1) as f64;
+            let t = |i: usize| on.get(i).map_or(1.0, |&c| self.crossings[c].t);
+            let gap = |i: usize| if i == 0 { t(0) } else { t(i) - t(i - 1) };
+            let least = (0..=on.len()).map(gap).fold(f64::INFINITY, f64::min);
+            // The blend of the crossings with evenly spaced ones whose least gap is wide enough.
+            let blend = ((ELBOW_ROOM * mean - least) / (mean - least)).max(0.0);
+            for (i, &c) in on.iter().enumerate().filter(|_| blend > 0.0) {
+                let t = &mut self.crossings[c].t;
+                *t += blend * ((i + 1) as f64 * mean - *t);
+            }
+        }
     }
 
     /// Reduces a polyline to its stops, without steps along the inside of an edge.
@@ -187,7 +237,8 @@ impl<'a> Network<'a> {
         let at = on.iter().position(|&k| k == c).unwrap_or(0);
         let low = if at > 0 { self.crossings[on[at - 1]].t } else { 0.0 };
         let high = on.get(at + 1).map_or(1.0, |&k| self.crossings[k].t);
-        (low + ELBOW_ROOM * (t - low), high - ELBOW_ROOM * (high - t))
+        let room = ELBOW_ROOM / (on.len() + 1) as f64;
+        (low + room.min(t - low), high - room.min(high - t))
     }
 
     fn build(&self, cut: &CutMesh, edge_nodes: u32) -> Result<CutMesh> {

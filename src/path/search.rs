@@ -159,9 +159,11 @@ impl Searcher {
                 }
             }
             Place::Edge(h, _) => {
+                // Two steps on end through one face never beat the straight one, except along an arc; there they cross.
+                let came_through = self.labels[node as usize].face;
                 for side in [Some(h), cut.conn.twin(h)].into_iter().flatten() {
                     let f = face_of(side);
-                    if query.passage.face(f) {
+                    if f != came_through && query.passage.face(f) {
                         self.reach_vertex(query, node, length, from, f, cut.conn.from(prev(side)));
                         self.reach_edge(query, node, length, from, next(side));
                         self.reach_edge(query, node, length, from, prev(side));

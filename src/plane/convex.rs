@@ -5,6 +5,7 @@
 
 use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
+use super::progressive::embed_progressively;
 use super::stretch::{Frame, e_l2, patch_stretch};
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
@@ -15,6 +16,8 @@ use glam::{DVec2, DVec3};
 const REWEIGHTINGS: usize = 10;
 /// A re-weighting must lower E_L2 by this share for another one to be tried.
 const GAIN: f64 = 1e-3;
+/// An embedding with a larger E_L2 has shrunk a limb, and is worth the slower way from coarse to fine.
+const ACCEPTABLE: f64 = 3.0;
 /// Weights of one ring are kept within this ratio, so that the system stays solvable on slivers.
 const WEIGHT_RANGE: f64 = 1e8;
 
@@ -25,6 +28,9 @@ pub enum Weights {
     MeanValue,
     /// All ones, re-weighted by stretch: where slivers break the former numerically.
     Uniform,
+    /// Those that reproduce an embedding found from coarse to fine, re-weighted by stretch: where a long limb shrinks
+    /// below the resolution of floating point with the former two.
+    Progressive,
 }
 
 /// A linear system over the free vertices of one patch whose pattern never changes.
@@ -38,17 +44,37 @@ struct System<'a> {
 /// embedding with exactly positive triangles.
 pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Option<Weights> {
     let rings = disc.rings();
-    for kind in [Weights::MeanValue, Weights::Uniform] {
-        let weights: Vec<Vec<f64>> = match kind {
-            Weights::MeanValue => (0..rings.len()).map(|v| mean_value(v, &rings[v], points)).collect(),
-            Weights::Uniform => rings.iter().map(|r| vec![1.0; r.len()]).collect(),
-        };
-        if let Some(positions) = minimise_stretch(disc, &rings, weights, points, frame) {
-            disc.positions = positions;
-            return Some(kind);
-        }
+    let all = 0..rings.len();
+    let surface = all.clone().map(|v| mean_value(v, &rings[v], points)).collect();
+    let mut best = minimise_stretch(disc, &rings, surface, points, frame).map(|e| (Weights::MeanValue, e));
+    if best.is_none() {
+        let uniform = rings.iter().map(|r| vec![1.0; r.len()]).collect();
+        best = minimise_stretch(disc, &rings, uniform, points, frame).map(|e| (Weights::Uniform, e));
     }
-    None
+    if !best.as_ref().is_some_and(|(_, e)| e.energy <= ACCEPTABLE)
+        && let Some(positions) = embed_progressively(disc, &rings, points, frame)
+    {
+        let flat: Vec<DVec3> = positions.iter().map(|&p| frame.place(p).extend(0.0)).collect();
+        let weights = all.map(|v| mean_value(v, &rings[v], &flat)).collect();
+        let found = Embedded { energy: energy_of(disc, &positions, points, frame), positions };
+        let minimised = minimise_stretch(disc, &rings, weights, points, frame);
+        let rivals = [Some(found), minimised].into_iter().flatten().map(|e| (Weights::Progressive, e));
+        best = best.into_iter().chain(rivals).min_by(|a, b| a.1.energy.total_cmp(&b.1.energy));
+    }
+    let (kind, Embedded { positions, .. }) = best?;
+    disc.positions = positions;
+    Some(kind)
+}
+
+/// Positions and their E_L2.
+struct Embedded {
+    positions: Vec<DVec2>,
+    energy: f64,
+}
+
+fn energy_of(disc: &PatchDisc, positions: &[DVec2], points: &[DVec3], frame: &Frame) -> f64 {
+    let placed = PatchDisc { positions: positions.to_vec(), ..disc.clone() };
+    e_l2(&patch_stretch(&placed, points, frame), frame.area())
 }
 
 /// True if every triangle is exactly positively oriented.
@@ -65,15 +91,14 @@ fn minimise_stretch(
     mut weights: Vec<Vec<f64>>,
     points: &[DVec3],
     frame: &Frame,
-) -> Option<Vec<DVec2>> {
+) -> Option<Embedded> {
     let mut system = System { disc, rings, symbolic: None };
     let mut trial = PatchDisc { positions: system.solve(&weights)?, ..disc.clone() };
     if !is_embedded(disc, &trial.positions) {
         return None;
     }
-    let mut best = trial.positions.clone();
     let mut stretch = patch_stretch(&trial, points, frame);
-    let mut lowest = e_l2(&stretch, frame.area());
+    let mut best = Embedded { positions: trial.positions.clone(), energy: e_l2(&stretch, frame.area()) };
     for _ in 0..REWEIGHTINGS {
         divide_by_stretch(&mut weights, rings, &vertex_stretch(disc, &stretch));
         match system.solve(&weights) {
@@ -81,14 +106,13 @@ fn minimise_stretch(
             _ => break,
         }
         stretch = patch_stretch(&trial, points, frame);
-        let energy = e_l2(&stretch, frame.area());
-        if energy < lowest {
-            best.clone_from(&trial.positions);
+        let (energy, before) = (e_l2(&stretch, frame.area()), best.energy);
+        if energy < before {
+            best = Embedded { positions: trial.positions.clone(), energy };
         }
-        if energy.is_nan() || energy >= lowest * (1.0 - GAIN) {
+        if energy.is_nan() || energy >= before * (1.0 - GAIN) {
             break;
         }
-        lowest = energy;
     }
     Some(best)
 }

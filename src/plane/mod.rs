@@ -8,6 +8,8 @@ pub mod locate;
 pub mod newton;
 pub mod orientation;
 pub mod patch_disc;
+pub mod progressive;
 pub mod smooth;
 pub mod stretch;
+pub mod visible;
 pub mod walk;

@@ -11,6 +11,7 @@ use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, embed, rotation};
+use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
 use crate::path::search::Searcher;
 
@@ -57,6 +58,7 @@ struct State {
     placed: IdVec<ArcId, bool>,
     lengths: IdVec<ArcId, f64>,
     network: Vec<usize>,
+    upkeep: Upkeep,
     postponed: usize,
 }
 
@@ -70,6 +72,7 @@ impl Carrier<'_> {
             placed: IdVec::filled(false, arcs),
             lengths: IdVec::filled(0.0, arcs),
             network: (0..self.landmarks.len()).collect(),
+            upkeep: Upkeep::default(),
             postponed: 0,
         };
         let mut left = order.to_vec();
@@ -117,6 +120,7 @@ impl Carrier<'_> {
         }
         state.network[a] = b;
         state.lengths[arc] = path.length;
+        state.upkeep.after_arc(self.mesh, &mut state.cut, &self.source.arcs, self.edge_nodes);
         Ok(true)
     }
 

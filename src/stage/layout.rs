@@ -13,7 +13,7 @@ use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, embed, rotation};
-use crate::path::rebuild::rebuild;
+use crate::path::rebuild::{Upkeep, rebuild};
 use crate::path::region::Regions;
 use crate::path::search::{Anywhere, Searcher, Terminal};
 use rayon::prelude::*;
@@ -110,7 +110,7 @@ fn carry_all(
 fn finish(meshes: [&TriMesh; 2], candidate: Candidate, edge_nodes: u32) -> Result<Layout> {
     let Candidate { arcs, cuts: [source, target], lengths: [on_source, on_target], order, postponed } = candidate;
     let one = |mesh: &TriMesh, mut cut: CutMesh, mut lengths: IdVec<ArcId, f64>| -> Result<CutMesh> {
-        reroute(mesh, &mut cut, &arcs, &mut lengths)?;
+        reroute(mesh, &mut cut, &arcs, &mut lengths, edge_nodes)?;
         Ok(rebuild(mesh, &cut, &arcs, edge_nodes).unwrap_or(cut))
     };
     let (a, b) = rayon::join(|| one(meshes[0], source, on_source), || one(meshes[1], target, on_target));
@@ -140,8 +140,10 @@ fn reroute(
     cut: &mut CutMesh,
     arcs: &IdVec<ArcId, [LandmarkId; 2]>,
     lengths: &mut IdVec<ArcId, f64>,
+    edge_nodes: u32,
 ) -> Result<()> {
     let mut searcher = Searcher::default();
+    let mut upkeep = Upkeep::default();
     for _ in 0..REROUTE_SWEEPS {
         for arc in arcs.ids() {
             let corners = [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }));
@@ -151,6 +153,7 @@ fn reroute(
             if path.length < lengths[arc] * (1.0 - WORTH_MOVING) {
                 embed(cut, mesh, &path, arc)?;
                 lengths[arc] = path.length;
+                upkeep.after_arc(mesh, cut, arcs, edge_nodes);
             } else {
                 *cut = before;
             }

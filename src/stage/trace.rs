@@ -11,6 +11,7 @@ use crate::path::base_complex::DirectedArc;
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, embed};
+use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
 use crate::path::search::{Passage, Path, Searcher, Terminal};
 
@@ -41,6 +42,8 @@ pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_n
     let mut tracer = Tracer {
         mesh,
         searcher: Searcher::default(),
+        upkeep: Upkeep::default(),
+        edge_nodes,
         traced: Traced {
             cut: CutMesh::new(mesh, landmarks, edge_nodes),
             arcs: IdVec::default(),
@@ -56,6 +59,8 @@ pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_n
 struct Tracer<'a> {
     mesh: &'a TriMesh,
     searcher: Searcher,
+    upkeep: Upkeep,
+    edge_nodes: u32,
     traced: Traced,
 }
 
@@ -65,6 +70,10 @@ impl Tracer<'_> {
         self.traced.links.push(link);
         self.traced.lengths.push(path.length);
         embed(&mut self.traced.cut, self.mesh, path, arc)
+    }
+
+    fn tidy(&mut self) {
+        self.upkeep.after_arc(self.mesh, &mut self.traced.cut, &self.traced.arcs, self.edge_nodes);
     }
 
     /// Adds an arc through a cut, unless it would enclose nothing together with an arc that is already there.
@@ -93,6 +102,7 @@ impl Tracer<'_> {
             let [start, goal] = ends.map(|l| Terminal::whole(&self.traced.cut, self.traced.cut.landmarks[l]));
             if let Some(path) = self.searcher.shortest(&self.traced.cut, &start, &goal, &passage) {
                 self.add_unless_empty(ends, &path)?;
+                self.tidy();
             }
         }
         Ok(())
@@ -113,6 +123,7 @@ impl Tracer<'_> {
             };
             let (ends, path) = self.shortest_of(candidates)?;
             self.add(ends.map(|c| c.landmark), Link::Diagonal, &path)?;
+            self.tidy();
             return Ok(true);
         }
         Ok(false)

@@ -1,0 +1,6 @@
+//! What the tests of paths, layouts and embeddings share: small meshes, whole runs, and checkers of invariants.
+#![allow(dead_code)] // every test crate takes only what it needs
+
+pub mod check;
+pub mod mesh;
+pub mod run;
