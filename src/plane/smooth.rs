@@ -1,4 +1,4 @@
-//! Relaxation of the composed map inside a domain (`algorithms.md` 7).
+//! Relaxation of the composed map inside a domain.
 //!
 //! Both meshes are embedded in the same domain. The vertices of one move, one at a time, so that the symmetric
 //! Dirichlet energy of the map between the meshes falls. Every triangle of the moving mesh sees the metrics of the fixed
@@ -57,7 +57,7 @@ impl<'a> Smoother<'a> {
         Smoother { fans: moving.fans(), moving, rest, metrics }
     }
 
-    /// Energy of all triangles, each capped at [`CAP`] times its weight: the area of the domain's meshes for an isometry.
+    /// Energy of all triangles, each capped at `CAP` times its weight: the area of the domain's meshes for an isometry.
     pub fn energy(&self) -> f64 {
         let one = |t: usize| {
             let [p, b, c] = self.moving.triangle(t);

@@ -8,7 +8,7 @@
 //!   energy = ( tr(M' P M) + tr(M' Q M) / det(M)^2 ) / 4,    P = sum w G,    Q = sum w G / det G.
 //!
 //! With weights that sum to the triangle's area this is the area times the symmetric Dirichlet energy, 1 for an
-//! isometry (`algorithms.md` 1).
+//! isometry.
 
 use glam::{DMat2, DVec2};
 
@@ -83,7 +83,7 @@ impl Rest {
     pub fn energy(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> f64 {
         let m = DMat2::from_cols(b - p, c - p) * self.inverse(i);
         let det = m.determinant();
-        if !(det > 0.0) {
+        if det.is_nan() || det <= 0.0 {
             return f64::INFINITY;
         }
         (quadratic(metrics.sum, m) + quadratic(metrics.inverse, m) / (det * det)) * 0.25

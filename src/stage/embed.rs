@@ -1,4 +1,4 @@
-//! Stage: every patch of both meshes embedded in its base triangle (`algorithms.md` 6).
+//! Stage: every patch of both meshes embedded in its base triangle.
 //!
 //! Input: a layout. Output: positions for every vertex of every patch, boundary vertices by arc length, free ones by
 //! mean value weights re-weighted by stretch. Invariant: every triangle is exactly positively oriented.

@@ -1,4 +1,4 @@
-//! Stage: the composed map relaxed (`algorithms.md` 7), certificate kept.
+//! Stage: the composed map relaxed, certificate kept.
 //!
 //! Input: an embedding. Output: the same with lower symmetric Dirichlet energy of the map in both directions. The two
 //! patches at an arc are glued into one domain, the vertices of either mesh move in it while the other holds still, and

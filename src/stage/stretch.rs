@@ -1,4 +1,4 @@
-//! Stage: stretch-minimising relaxation of the embeddings by the kernels (`algorithms.md` 6).
+//! Stage: stretch-minimising relaxation of the embeddings by the kernels.
 //!
 //! Yoshizawa, Belyaev, Seidel: A fast and simple stretch-minimizing mesh parameterization (2004). Input: embedded
 //! patches. Output: the same with less stretch against their surfaces. All patches of both meshes go to the compute

@@ -10,8 +10,8 @@ use crate::map::file_order::Onto;
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
 use crate::map::product::{Product, Side};
 use crate::map::report::{Report, peak_bytes};
-use crate::mesh::FaceId;
 use crate::mesh::io::write_obj;
+use crate::mesh::{FaceId, Id};
 use folder::REPORT_FILE;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -68,8 +68,8 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
     let (forward, flips) = product.source.distortion(&product.target);
     let (backward, flips_back) = product.target.distortion(&product.source);
     let mut warnings = product.warnings.clone();
-    warnings.extend(flip_warning("source_on_target.obj", &flips));
-    warnings.extend(flip_warning("target_on_source.obj", &flips_back));
+    warnings.extend(flip_warning("source_on_target.obj", &product.source, &flips));
+    warnings.extend(flip_warning("target_on_source.obj", &product.target, &flips_back));
     Report {
         version: env!("CARGO_PKG_VERSION"),
         device: product.device.to_owned(),
@@ -87,20 +87,21 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
     }
 }
 
-/// Turned-over triangles named in a warning at most; the count says how many there are.
+/// Turned-over faces named in a warning at most; the count says how many there are.
 const NAMED_FLIPS: usize = 5;
 
-/// A map without turned-over triangles can still have turned-over samples.
-fn flip_warning(file: &str, flips: &[FaceId]) -> Option<String> {
-    let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| f.0.to_string()).collect();
+/// A map that does not fold can still have turned-over samples.
+fn flip_warning(file: &str, side: &Side, flips: &[FaceId]) -> Option<String> {
+    let polygons = side.file.triangle_polygons();
+    let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| polygons[f.index()].to_string()).collect();
     if flips.len() > names.len() {
         names.push("...".to_owned());
     }
     (!flips.is_empty()).then(|| {
         format!(
-            "{file}: {} collapsed or turned over (counted from 0: {}): the map does not fold, but a compatible mesh \
-             samples it at the vertices only, and a coarse triangle that spans a fold of the other shape can come out so",
-            if flips.len() == 1 { "1 triangle".to_owned() } else { format!("{} triangles", flips.len()) },
+            "{file}: triangles collapsed or turned over: {} (in faces {}, counted from 0): the map does not fold, but \
+             this mesh has it at the vertices only, and a coarse triangle that spans a fold of the other shape can turn",
+            flips.len(),
             names.join(", ")
         )
     })
