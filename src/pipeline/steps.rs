@@ -10,9 +10,9 @@ use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::mesh::{TriMesh, VertexId};
-use crate::path::cluster::Clusters;
 use crate::stage;
 use crate::stage::check::{Checked, LoadedMesh};
+use crate::stage::cluster::Clustered;
 use crate::stage::compose::Composed;
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
@@ -21,6 +21,9 @@ use std::path::PathBuf;
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
 const EDGE_NODES: u32 = 3;
+
+/// Layouts that are tried out by the energy they lead to; more cost time and hardly ever win.
+const CANDIDATES: usize = 3;
 
 /// Both meshes embedded, with the layout in numbers and what the user should know.
 pub struct Embedded {
@@ -52,18 +55,21 @@ pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
     Ok(Pair { out, checked: stage::check::check(loaded)?, made: () })
 }
 
-pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<[Clusters; 2]>> {
+pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Clustered>> {
     pair.then(|checked, ()| {
-        let clusters = stage::cluster::cluster(meshes(checked), landmarks(checked));
-        step.detail(format!("{} and {} cuts", clusters[0].cuts.len(), clusters[1].cuts.len()));
-        Ok(clusters)
+        let clustered = stage::cluster::cluster(meshes(checked), landmarks(checked));
+        let auxiliary = clustered.base_vertices[0].len() - checked.landmarks.source.len();
+        let cuts = clustered.clusters.each_ref().map(|c| c.cuts.len());
+        step.detail(format!("{} and {} cuts, {auxiliary} limbs without a landmark matched", cuts[0], cuts[1]));
+        Ok(clustered)
     })
 }
 
-pub fn trace(pair: Pair<[Clusters; 2]>, step: &Step) -> Result<Pair<Layout>> {
-    pair.then(|checked, clusters| {
-        let mut layouts = stage::layout::layouts(meshes(checked), landmarks(checked), &clusters, EDGE_NODES, 1)?;
-        let layout = layouts.swap_remove(0);
+pub fn trace(pair: Pair<Clustered>, step: &Step) -> Result<Pair<Layout>> {
+    pair.then(|checked, Clustered { base_vertices: [on_source, on_target], clusters }| {
+        let vertices = [on_source.as_slice(), on_target.as_slice()];
+        let layouts = stage::layout::layouts(meshes(checked), vertices, &clusters, EDGE_NODES, CANDIDATES)?;
+        let layout = stage::choose::choose(meshes(checked), layouts)?;
         step.detail(format!("{} arcs, {} patches", layout.base.arcs.len(), layout.base.patches.len()));
         Ok(layout)
     })
