@@ -16,14 +16,14 @@ use crate::stage::cluster::Clustered;
 use crate::stage::compose::Composed;
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
-use crate::stage::relax::{RelaxOptions, relax_arcs, relax_patches};
+use crate::stage::relax::{RelaxOptions, energy, relax_arcs, relax_patches};
 use std::path::PathBuf;
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
 const EDGE_NODES: u32 = 3;
 
-/// Layouts that are tried out by the energy they lead to; more cost time and hardly ever win.
-const CANDIDATES: usize = 3;
+/// Layouts that are embedded and relaxed a little before the best is chosen; more cost time and hardly ever win.
+const CANDIDATES: usize = 2;
 
 /// Both meshes embedded, with the layout in numbers and what the user should know.
 pub struct Embedded {
@@ -65,53 +65,67 @@ pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Clustered>> {
     })
 }
 
-pub fn trace(pair: Pair<Clustered>, step: &Step) -> Result<Pair<Layout>> {
+pub fn trace(pair: Pair<Clustered>, step: &Step) -> Result<Pair<Vec<Layout>>> {
     pair.then(|checked, Clustered { base_vertices: [on_source, on_target], clusters }| {
         let vertices = [on_source.as_slice(), on_target.as_slice()];
         let layouts = stage::layout::layouts(meshes(checked), vertices, &clusters, EDGE_NODES, CANDIDATES)?;
-        let layout = stage::choose::choose(meshes(checked), layouts)?;
-        step.detail(format!("{} arcs, {} patches", layout.base.arcs.len(), layout.base.patches.len()));
-        Ok(layout)
-    })
-}
-
-pub fn embed(pair: Pair<Layout>, _: &Step) -> Result<Pair<Embedded>> {
-    pair.then(|checked, layout| {
-        let summary = LayoutSummary {
-            kind: "voronoi",
-            arcs: layout.base.arcs.len(),
-            patches: layout.base.patches.len(),
-            postponed: layout.postponed,
-            flips: 0,
-        };
-        let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
-        let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
-        Ok(Embedded { summary, embedding, relaxation, notes })
-    })
-}
-
-pub fn stretch(pair: Pair<Embedded>, compute: &Compute, step: &Step) -> Result<Pair<Embedded>> {
-    pair.then(|_, mut embedded| {
-        let stretch = stage::stretch::stretch(compute, &mut embedded.embedding)?;
-        step.detail(stretch.map(|s| format!("E_L2 {:.3} to {:.3}", s.before, s.after)).join(", "));
-        embedded.relaxation.stretch = stretch;
-        Ok(embedded)
-    })
-}
-
-pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
-    pair.then(|checked, mut embedded| {
-        let options = RelaxOptions::default();
-        let energies = match how {
-            Relaxation::None => Vec::new(),
-            Relaxation::Patch => relax_patches(meshes(checked), &mut embedded.embedding, &options),
-            Relaxation::Full => relax_arcs(meshes(checked), &mut embedded.embedding, &options)?,
-        };
-        if let [first, .., last] = energies.as_slice() {
-            step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", energies.len() - 1));
+        if let Some(Layout { base, .. }) = layouts.first() {
+            step.detail(format!("{} arcs, {} patches", base.arcs.len(), base.patches.len()));
         }
-        embedded.relaxation.method = how.name();
-        embedded.relaxation.energies = energies;
+        Ok(layouts)
+    })
+}
+
+pub fn embed(pair: Pair<Vec<Layout>>, _: &Step) -> Result<Pair<Vec<Embedded>>> {
+    pair.then(|checked, layouts| {
+        let embed = |layout: Layout| {
+            let summary = LayoutSummary {
+                kind: "voronoi",
+                arcs: layout.base.arcs.len(),
+                patches: layout.base.patches.len(),
+                postponed: layout.postponed,
+                flips: 0,
+            };
+            let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
+            let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
+            Ok(Embedded { summary, embedding, relaxation, notes })
+        };
+        layouts.into_iter().map(embed).collect()
+    })
+}
+
+pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Result<Pair<Vec<Embedded>>> {
+    pair.then(|_, mut candidates| {
+        for embedded in &mut candidates {
+            let stretch = stage::stretch::stretch(compute, &mut embedded.embedding)?;
+            step.detail(stretch.map(|s| format!("E_L2 {:.3} to {:.3}", s.before, s.after)).join(", "));
+            embedded.relaxation.stretch = stretch;
+        }
+        Ok(candidates)
+    })
+}
+
+pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|checked, mut candidates| {
+        let meshes = meshes(checked);
+        for embedded in &mut candidates {
+            embedded.relaxation.method = how.name();
+            embedded.relaxation.energies = match how {
+                Relaxation::None => vec![energy(meshes, &embedded.embedding)],
+                Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &RelaxOptions::default()),
+                Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::trial())?,
+            };
+        }
+        let last = |e: &Embedded| e.relaxation.energies.last().copied().unwrap_or(f64::INFINITY);
+        let best = (0..candidates.len()).min_by(|&a, &b| last(&candidates[a]).total_cmp(&last(&candidates[b])));
+        let mut embedded = candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?);
+        if how == Relaxation::Full {
+            let more = relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?;
+            embedded.relaxation.energies.extend(&more[1..]);
+        }
+        if let [first, .., last] = embedded.relaxation.energies.as_slice() {
+            step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", embedded.relaxation.energies.len() - 1));
+        }
         Ok(embedded)
     })
 }

@@ -18,8 +18,10 @@ use crate::path::region::Regions;
 use crate::path::search::{Anywhere, Searcher, Terminal};
 use rayon::prelude::*;
 
+/// Least edge nodes while candidates are laid out: they settle which way arcs go, and re-routing smooths them.
+const SCOUT_NODES: u32 = 1;
 /// Sweeps of re-routing over all arcs; later ones change little.
-const REROUTE_SWEEPS: usize = 2;
+const REROUTE_SWEEPS: usize = 1;
 /// A new way must be shorter by this share to be taken, so that re-routing ends.
 const WORTH_MOVING: f64 = 1e-6;
 
@@ -61,10 +63,10 @@ pub fn layouts(
     keep: usize,
 ) -> Result<Vec<Layout>> {
     let traced: Vec<Result<Traced>> =
-        [0, 1].par_iter().map(|&k| trace(meshes[k], landmarks[k], &clusters[k], edge_nodes)).collect();
+        [0, 1].par_iter().map(|&k| trace(meshes[k], landmarks[k], &clusters[k], SCOUT_NODES)).collect();
     let mut candidates = Vec::new();
     for (from, traced) in traced.into_iter().enumerate() {
-        candidates.extend(carry_all(meshes, landmarks, clusters, from, &traced?, edge_nodes)?);
+        candidates.extend(carry_all(meshes, landmarks, clusters, from, &traced?)?);
     }
     let scale = meshes.map(|m| m.area().sqrt());
     let size = |c: &Candidate| (0..2).map(|k| c.lengths[k].iter().sum::<f64>() / scale[k]).sum::<f64>();
@@ -85,14 +87,18 @@ fn carry_all(
     clusters: &[Clusters; 2],
     from: usize,
     traced: &Traced,
-    edge_nodes: u32,
 ) -> Result<Vec<Candidate>> {
     let to = 1 - from;
     let reference = reference_lengths(meshes[to], landmarks[to], traced);
     let scale = meshes.map(|m| m.area().sqrt());
     let relative = traced.arcs.ids().map(|a| traced.lengths[a] / scale[from] + reference[a] / scale[to]).collect();
-    let carrier =
-        Carrier { source: traced, mesh: meshes[to], landmarks: landmarks[to], edge_nodes, reference: &reference };
+    let carrier = Carrier {
+        source: traced,
+        mesh: meshes[to],
+        landmarks: landmarks[to],
+        edge_nodes: SCOUT_NODES,
+        reference: &reference,
+    };
     let one = |&order: &Order| {
         let Carried { cut, lengths, postponed } = carrier.carry(&arrange(order, traced, &clusters[to], &relative))?;
         let (mut cuts, mut both) = ([traced.cut.clone(), cut], [traced.lengths.clone(), lengths]);
@@ -108,18 +114,20 @@ fn carry_all(
 
 /// Re-routes the arcs, rebuilds the cut meshes and reads the base complex off both.
 fn finish(meshes: [&TriMesh; 2], candidate: Candidate, edge_nodes: u32) -> Result<Layout> {
-    let Candidate { arcs, cuts: [source, target], lengths: [on_source, on_target], order, postponed } = candidate;
-    let one = |mesh: &TriMesh, mut cut: CutMesh, mut lengths: IdVec<ArcId, f64>| -> Result<CutMesh> {
+    let Candidate { arcs, cuts: [source, target], order, postponed, .. } = candidate;
+    let one = |mesh: &TriMesh, scouted: CutMesh| -> Result<CutMesh> {
+        let mut cut = rebuild(mesh, &scouted, &arcs, edge_nodes).unwrap_or(scouted);
+        let mut lengths = arc_lengths(&cut, &arcs);
         reroute(mesh, &mut cut, &arcs, &mut lengths, edge_nodes)?;
         Ok(rebuild(mesh, &cut, &arcs, edge_nodes).unwrap_or(cut))
     };
-    let (a, b) = rayon::join(|| one(meshes[0], source, on_source), || one(meshes[1], target, on_target));
+    let (a, b) = rayon::join(|| one(meshes[0], source), || one(meshes[1], target));
     let cuts = [a?, b?];
     let base = base_complex(&cuts[0], &arcs)?;
     if base_complex(&cuts[1], &arcs)?.patches != base.patches {
         return Err(Error::bug("the two layouts have different patches"));
     }
-    let lengths = [0, 1].map(|k| total_length(&cuts[k], &arcs));
+    let lengths = [0, 1].map(|k| arc_lengths(&cuts[k], &arcs).iter().sum());
     Ok(Layout { base, cuts, lengths, order, postponed })
 }
 
@@ -190,6 +198,6 @@ pub fn base_complex(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> Resu
     Ok(BaseComplex { landmarks: cut.landmarks.len(), arcs: arcs.clone(), patches })
 }
 
-fn total_length(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> f64 {
-    arcs.iter_ids().flat_map(|(arc, ends)| cut.arc_path(arc, ends[0])).map(|h| cut.length(h)).sum()
+fn arc_lengths(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> IdVec<ArcId, f64> {
+    arcs.iter_ids().map(|(arc, ends)| cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.length(h)).sum()).collect()
 }

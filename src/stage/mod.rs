@@ -3,7 +3,6 @@
 pub mod bake;
 pub mod carry;
 pub mod check;
-pub mod choose;
 pub mod cluster;
 pub mod compose;
 pub mod embed;

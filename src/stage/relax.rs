@@ -36,7 +36,14 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 12, tolerance: 2e-3 }
+        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 8, tolerance: 5e-3 }
+    }
+}
+
+impl RelaxOptions {
+    /// A short relaxation, after which candidates can be told apart.
+    pub fn trial() -> Self {
+        RelaxOptions { rounds: 2, tolerance: 0.0, ..Self::default() }
     }
 }
 
@@ -49,7 +56,7 @@ struct Relaxed {
 /// Relaxes the inside of every patch, arcs held; returns the energy before and after every round.
 pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &RelaxOptions) -> Vec<f64> {
     let scale = unit_scale(meshes);
-    let mut history = vec![energy(embedding, scale)];
+    let mut history = vec![energy(meshes, embedding)];
     let patches: Vec<PatchId> = embedding.base.patches.ids().collect();
     for _ in 0..options.rounds {
         let relax = |&p: &PatchId| {
@@ -66,7 +73,7 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
                 }
             }
         }
-        if settled(&mut history, energy(embedding, scale), options) {
+        if settled(&mut history, energy(meshes, embedding), options) {
             break;
         }
     }
@@ -77,7 +84,7 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
 pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &RelaxOptions) -> Result<Vec<f64>> {
     let scale = unit_scale(meshes);
     let groups = independent_arcs(embedding);
-    let mut history = vec![energy(embedding, scale)];
+    let mut history = vec![energy(meshes, embedding)];
     for _ in 0..options.rounds {
         for group in &groups {
             let visit = |pair: &Pair| relax_pair(embedding, pair, scale, options);
@@ -85,7 +92,7 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
             apply(meshes, embedding, group, &relaxed)?;
         }
         clean_up(meshes, embedding)?;
-        if settled(&mut history, energy(embedding, scale), options) {
+        if settled(&mut history, energy(meshes, embedding), options) {
             break;
         }
     }
@@ -98,7 +105,8 @@ fn unit_scale(meshes: [&TriMesh; 2]) -> [f64; 2] {
 }
 
 /// Symmetric Dirichlet energy of the map, the mean of both directions; 1 for an isometry.
-pub fn energy(embedding: &Embedding, scale: [f64; 2]) -> f64 {
+pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
+    let scale = unit_scale(meshes);
     let one = |p: PatchId| {
         let [mut source, target] = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
         Smoother::new(&mut source, &target).energy()
