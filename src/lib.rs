@@ -1,4 +1,103 @@
 //! `homeo`: certified bijective, low-distortion maps between triangle meshes.
+//!
+//! A job is two closed meshes of the same genus and corresponding landmarks. Its product is a [`map`] that gives every
+//! point of either mesh one point of the other, proved to be a bijection, and what follows from it: compatible meshes,
+//! tables of corresponding points, geometry images over a common atlas.
+//!
+//! # The main job
+//!
+//! Every stage takes a value and makes the next; [`pipeline::stages`] lists them, [`stage`] holds one file for each.
+//!
+//! ```text
+//!  two files, landmarks
+//!        | load       vertices keep their order and number            mesh::io
+//!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check
+//!        | cluster    the landmarks' surface Voronoi cells             path::front, path::cluster
+//!        | trace      arcs on one mesh, carried over to the other      path::search, path::region
+//!        v
+//!      Layout         one base complex, two cut meshes
+//!        | embed      every patch into its base triangle               plane::convex
+//!        | stretch    all patches at once, on the compute device       kernel, gpu
+//!        | relax      across the arcs, which move with it              plane::domain, plane::smooth
+//!        v
+//!     Embedding       source patches -> base complex <- target patches
+//!        | compose    follow it through; certify                       map::surface_map, map::certificate
+//!        v
+//!    SurfaceMap       for every vertex a face of the other mesh and barycentric coordinates
+//!        | bake       sample both meshes over one atlas                map::atlas, kernel::resample
+//!        | write      a folder that appears complete or not at all     map::report
+//!        v
+//!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
+//! ```
+//!
+//! # Who may import whom
+//!
+//! ```text
+//! cli -> pipeline -> stage, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
+//! ```
+//!
+//! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in
+//! single precision; topology and injectivity are decided on the CPU, in double precision with exact predicates.
+//!
+//! # Why the map is a bijection
+//!
+//! A finished map is a homeomorphism because (a) both layouts carry the same base complex, (b) every patch of both cut
+//! meshes is a disc, and (c) every triangle of every patch has exactly positive orientation in its base triangle, with
+//! the boundary vertices in order along its sides. [`map::certificate`] checks all three on the stored data at the end
+//! of every run; whatever moves an embedding before steps back when (c) would fail.
+//!
+//! # Why there always is a layout
+//!
+//! After every arc both meshes have the same *region structure*: for each region its boundary walks, the landmarks
+//! inside and its genus. An arc that joins two boundary components or loose landmarks cannot block another one. An arc
+//! that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise. When only
+//! postponed arcs are left, the joining ones go first; then every region is a disc, in which each arc has one way to go.
+//!
+//! # Glossary
+//!
+//! | word | meaning |
+//! | --- | --- |
+//! | landmark | a pair of corresponding vertices that the user gives |
+//! | cluster | surface Voronoi cell of a landmark |
+//! | cut | a run of edges along which two clusters touch |
+//! | arc | a curve on a mesh between two landmarks: the image of an edge of the base complex |
+//! | base complex | abstract triangles over the landmarks; several edges may join the same two, and an edge may be a loop |
+//! | layout | the base complex and its arcs on both meshes |
+//! | region | what arcs leave connected |
+//! | patch | a disc bounded by three arcs: the image of a triangle of the base complex |
+//! | cut mesh | a mesh refined so that arcs run along its edges; every vertex knows its place on the original |
+//! | dividing edge | an inner edge between two vertices of one side of a patch; it is split |
+//! | reference triangle | (0,0), (1,0), (0,1): where patches are embedded |
+//! | frame | the triangle in the plane, with the arcs' lengths as sides, in which a patch's stretch is measured |
+//! | embedding | positions of a patch's vertices in its reference triangle |
+//! | domain | the part of the plane in which a patch, or the two patches at an arc, are relaxed |
+//! | map | source patch -> base triangle -> target patch |
+//! | compatible mesh | one mesh's vertices and faces at the other's shape |
+//! | atlas, tile | the squares over which both meshes are sampled; a tile holds two patches, or one |
+//!
+//! # Measures
+//!
+//! For the affine map of a triangle let `G >= g` be its singular values after the one scale that makes both total areas
+//! equal, `A` its area before and `B` after. `E_L2 = sqrt(sum B (G^2 + g^2) / 2 / sum B)`; symmetric Dirichlet energy
+//! `sum A (G^2 + g^2 + 1/G^2 + 1/g^2) / 4 / sum A`; both are 1 for an isometry up to scale and more otherwise. `E_ang` is
+//! the mean change of the corners' angles in radians, weighted by `A`. A triangle of a compatible mesh is *turned over*
+//! if its normal opposes all of the target near its middle: [`map::flips`].
+//!
+//! # References
+//!
+//! Short names stand in the docs of the modules that follow them.
+//!
+//! - VORONOI: Kwok, Zhang, Wang, "Constructing common base domain by cues from Voronoi diagram": clusters, cuts, edge
+//!   nodes, the order of arcs.
+//! - HYPOTHESIS: Pan, Wu, Pan, Yang, "A novel scheme for efficient cross-parameterization": swirls, relaxation in the
+//!   quad of two patches.
+//! - Kraevoy, Sheffer, "Cross-parameterization and compatible remeshing of 3D models" (2004), and Praun, Sweldens,
+//!   Schröder, "Consistent mesh parameterizations" (2001): maps through a common base complex.
+//! - Floater, "Mean value coordinates" (2003), and Tutte, "How to draw a graph" (1963): embeddings by positive weights.
+//! - Yoshizawa, Belyaev, Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004).
+//! - Sander, Snyder, Gortler, Hoppe, "Texture mapping progressive meshes" (2001): the L2 stretch.
+//! - Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates" (1997).
+//! - Gu, Gortler, Hoppe, "Geometry images" (2002).
 
 pub mod cli;
 pub mod error;

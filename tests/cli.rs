@@ -102,11 +102,10 @@ fn what_comes_later_is_refused_and_says_so() {
         refuses(&[command, "some.obj", "--frames", "3"], 2, &[command, "comes with a later version"]);
     }
     let map = ["map", "a.obj", "b.obj", "--landmarks", "c.csv", "--out", "o"];
-    let flags: [&[&str]; 6] = [
+    let flags: [&[&str]; 5] = [
         &["--layout", "hypothesis"],
         &["--layout", "greedy"],
         &["--refine", "active"],
-        &["--relax", "full"],
         &["--layered"],
         &["--texture", "t.png"],
     ];

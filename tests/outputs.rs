@@ -5,7 +5,7 @@ use homeo::map::base_complex::{BaseComplex, DirectedArc};
 use homeo::map::certificate::Certificate;
 use homeo::map::file_order::Onto;
 use homeo::map::product::{GeometryImages, Product, Side};
-use homeo::map::report::{LayoutSummary, Report};
+use homeo::map::report::{LayoutSummary, RelaxationSummary, Report};
 use homeo::map::tile_table::TileTable;
 use homeo::mesh::io::{Landmarks, MeshFile, read_mesh};
 use homeo::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, corner};
@@ -313,6 +313,7 @@ impl Identity {
             landmarks: &self.landmarks,
             base: &self.base,
             layout: LayoutSummary { kind: "voronoi", arcs: 6, patches: 4, postponed: 0, flips: 0 },
+            relaxation: RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() },
             certificate: Certificate {
                 bijective: true,
                 same_complex: true,

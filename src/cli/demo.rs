@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::mesh::VertexId;
 use crate::mesh::io::{MeshFile, write_obj};
 use crate::pipeline::{MapJob, MapOptions};
-use crate::shape::{Shape, demo_pairs};
+use crate::shape::{DEMO_PAIRS, Shape};
 use crate::stage::write::check_place;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -16,17 +16,19 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Vertices of the generated meshes, about: enough to show detail, few enough to be mapped in seconds.
-const RESOLUTION: usize = 10_000;
+const RESOLUTION: usize = 5_000;
 
 /// Runs the command.
 pub fn run(args: &DemoArgs, global: &Global, console: &Console) -> Result<ExitCode> {
     let mut names = Vec::new();
     let mut jobs = Vec::new();
     // Pairs of higher genus come with the layouts that can map them.
-    let pairs = demo_pairs(RESOLUTION).into_iter().filter(|(_, source, _)| source.mesh.genus() == 0);
-    for (name, source, target) in pairs {
-        jobs.push(write_pair(&args.dir.join(&name), &source, &target)?);
-        names.push(name);
+    for pair in DEMO_PAIRS.iter().filter(|pair| pair.genus == 0) {
+        let dir = args.dir.join(pair.name);
+        check_place(&dir.join("map"))?;
+        let (source, target) = (pair.generate)(RESOLUTION);
+        jobs.push(write_pair(&dir, &source, &target)?);
+        names.push(pair.name.to_owned());
     }
     let reports = run_all(jobs, &MapOptions::default(), global, console)?;
     let finished: Vec<_> = names.into_iter().zip(reports).collect();
@@ -46,7 +48,6 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
         target_landmarks: None,
         out: dir.join("map"),
     };
-    check_place(&job.out)?;
     fs::create_dir_all(dir).map_err(|e| Error::io(dir, &e))?;
     write_shape(&job.source, source)?;
     write_shape(&job.target, target)?;

@@ -49,12 +49,16 @@ pub fn demo_summary(finished: &[(String, Report)], console: &Console) -> String 
     table(&rows) + &verdicts.collect::<String>()
 }
 
+/// The certificate and how the distortion was lowered; a map without a certificate is an error and gets no summary.
 fn verdict(report: &Report, console: &Console) -> String {
-    if report.certificate.bijective {
-        console.paint("32", "certified bijective")
-    } else {
-        console.paint("31", "NOT certified bijective")
+    let relaxation = &report.relaxation;
+    let [source, target] = relaxation.stretch.map(|s| format!("{:.3} to {:.3}", s.before, s.after));
+    let mut text = console.paint("32", "certified bijective");
+    text += &format!("; patches' E_L2 {source} (source), {target} (target)");
+    if let [first, .., last] = relaxation.energies.as_slice() {
+        text += &format!("; relaxed from sym. Dirichlet {first:.3} to {last:.3}");
     }
+    text
 }
 
 fn measures_row(name: &str, m: &Measures) -> Vec<String> {

@@ -91,11 +91,6 @@ impl Rings {
     pub fn entries(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
         (0..self.0.len()).flat_map(|v| self.of(v).iter().map(move |&w| (v as u32, w)))
     }
-
-    /// Number of free vertices.
-    pub fn free_count(&self) -> usize {
-        (0..self.0.len()).filter(|&v| !self.of(v).is_empty()).count()
-    }
 }
 
 fn not_closed(v: usize) -> Error {

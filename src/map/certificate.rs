@@ -1,4 +1,4 @@
-//! The certificate that a finished map is a bijection (`algorithms.md` 2), checked from the stored data alone.
+//! The certificate that a finished map is a bijection, checked from the stored data alone.
 
 use super::embedding::{EmbeddedMesh, Embedding};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, PatchId};

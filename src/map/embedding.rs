@@ -17,7 +17,7 @@ pub struct EmbeddedMesh {
     pub discs: IdVec<PatchId, PatchDisc>,
 }
 
-/// Both meshes over one base complex; [0] is the source, [1] the target.
+/// Both meshes over one base complex: the source, then the target.
 #[derive(Clone, Debug)]
 pub struct Embedding {
     /// The base complex.

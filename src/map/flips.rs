@@ -4,16 +4,24 @@
 //! triangle that spans a fold of the target can still come out turned over. These functions find such triangles.
 
 use super::distortion::DEGENERATE_SHARE;
+use crate::mesh::face_tree::FaceTree;
 use crate::mesh::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use glam::DVec3;
+use std::cell::OnceCell;
+
+/// Faces of the target within this share of its diagonal, and the distance of a triangle's middle from the target on
+/// top, say which side of that triangle is out: less takes coarse triangles across sharp edges for turned over, more
+/// lets the far wall of a thin part excuse a triangle that is.
+pub const NEARBY: f64 = 0.01;
 
 /// The triangles of `mesh` that are collapsed or turned over on `target`, in order.
 ///
 /// `points` are the vertices' images (None without one, for a vertex that no face uses), `image` their positions.
 ///
-/// Turned over: the image's normal opposes the normals of *all* faces of the target that carry one of its three image
-/// points (a point on an edge or vertex is carried by every face there). Degenerate target faces have no normal and
-/// do not vote; without a vote a triangle counts as sound.
+/// Turned over: the image's normal opposes the normals of *all* faces of the target near its middle, which are those
+/// within the middle's own distance from the target plus [`NEARBY`] of the target's diagonal. So a triangle that cuts
+/// a corner of the target with its front outward is sound, whatever the faces say that carry its vertices. Degenerate
+/// target faces have no normal and do not vote; without a vote a triangle counts as sound.
 pub fn flips_on_target(
     mesh: &TriMesh,
     target: &TriMesh,
@@ -21,11 +29,23 @@ pub fn flips_on_target(
     image: &IdVec<VertexId, DVec3>,
 ) -> Vec<FaceId> {
     let normals: IdVec<FaceId, DVec3> = target.conn.faces().map(|f| area_vector(target.triangle(f))).collect();
+    let nearby = NEARBY * target.diagonal();
+    let tree = OnceCell::new();
     let mut carriers = Vec::new();
     turned(&mesh.faces(), image, |t, normal| {
+        let middle = t.iter().map(|&v| image[v]).sum::<DVec3>() / 3.0;
         carriers.clear();
         t.iter().filter_map(|&v| points[v]).for_each(|p| push_carriers(target, p, &mut carriers));
-        opposes_all(normal, carriers.iter().map(|&g| normals[g]))
+        // Most triangles are settled by a face that carries them; the tree is for the others.
+        let agrees = |g: FaceId| normal.dot(normals[g]) > 0.0;
+        let is_near = |g: FaceId| metric::distance_sq(middle, target.triangle(g)) <= nearby * nearby;
+        if carriers.iter().any(|&g| agrees(g) && is_near(g)) {
+            return false;
+        }
+        let tree = tree.get_or_init(|| FaceTree::new(target));
+        let radius = tree.distance(middle) + nearby;
+        let opposes = |g: FaceId| normal.dot(normals[g]) < 0.0;
+        !tree.any_within(middle, radius, agrees) && tree.any_within(middle, radius, opposes)
     })
 }
 
@@ -85,6 +105,38 @@ fn push_carriers(target: &TriMesh, point: SurfacePoint, carriers: &mut Vec<FaceI
 mod tests {
     use super::*;
     use crate::mesh::corner;
+
+    /// ```text
+    ///      ______        a wedge with a sharp rim at the right: a triangle whose corners lie on the lower side and
+    ///     /______>       whose middle is at the rim faces up; the upper side, close by, agrees with it
+    /// ```
+    #[test]
+    fn a_triangle_that_spans_a_sharp_rim_is_sound() {
+        let at = |x: f64, y: f64, z: f64| DVec3::new(x, y, z);
+        let rim = [at(1.0, -1.0, 0.0), at(1.0, 1.0, 0.0)];
+        let thick = 0.001;
+        let far = [at(-1.0, -1.0, -thick), at(-1.0, 1.0, -thick), at(-1.0, -1.0, thick), at(-1.0, 1.0, thick)];
+        let positions = rim.into_iter().chain(far).collect();
+        let faces = [[0, 1, 5], [0, 5, 4], [1, 0, 2], [1, 2, 3]].map(|t| t.map(VertexId));
+        let wedge = TriMesh::new(positions, &faces).expect("a wedge is a manifold");
+        let low = |x: f64, y: f64| SurfacePoint::Face(FaceId(2), barycentric(&wedge, FaceId(2), x, y));
+        let one = TriMesh::new(vec![DVec3::ZERO; 3], &[[0, 1, 2].map(VertexId)]).expect("a triangle is a manifold");
+        let up = IdVec::from_raw(vec![Some(low(0.70, -0.5)), Some(low(0.75, -0.5)), Some(low(0.75, -0.45))]);
+        let image = up.iter().map(|p| p.map_or(DVec3::ZERO, |p| p.position(&wedge))).collect();
+        assert!(flips_on_target(&one, &wedge, &up, &image).is_empty(), "the upper side is near and agrees");
+        let mut thicker = wedge.clone();
+        thicker.positions.raw[4..].iter_mut().for_each(|p| p.z += 1.0);
+        assert_eq!(flips_on_target(&one, &thicker, &up, &image), [FaceId(0)], "now it is far away");
+    }
+
+    /// Barycentric coordinates of the point of a face above (x, y).
+    fn barycentric(mesh: &TriMesh, f: FaceId, x: f64, y: f64) -> [f64; 3] {
+        let flat = mesh.triangle(f).map(|p| p.truncate());
+        let p = glam::DVec2::new(x, y);
+        let all = metric::signed_area(flat);
+        let share = |i: usize| metric::signed_area([p, flat[(i + 1) % 3], flat[(i + 2) % 3]]) / all;
+        std::array::from_fn(share)
+    }
 
     /// A closed fan of six triangles around vertex 0 in the plane, normals up.
     fn fan() -> TriMesh {

@@ -4,10 +4,10 @@ use super::base_complex::BaseComplex;
 use super::certificate::Certificate;
 use super::distortion::{Distortion, distortion};
 use super::flips::flips_on_target;
-use super::report::{LayoutSummary, MeshSummary};
+use super::report::{LayoutSummary, MeshSummary, RelaxationSummary};
 use super::tile_table::TileTable;
 use crate::mesh::io::{Landmarks, MeshFile};
-use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh, VertexId};
+use crate::mesh::{ArcId, FaceId, IdVec, SurfacePoint, TriMesh, VertexId};
 use glam::DVec3;
 
 /// One mesh of the pair, with where its vertices go.
@@ -37,6 +37,8 @@ pub struct Product<'a> {
     pub base: &'a BaseComplex,
     /// The layout in numbers.
     pub layout: LayoutSummary,
+    /// How the distortion was lowered.
+    pub relaxation: RelaxationSummary,
     /// Why the map is a homeomorphism.
     pub certificate: Certificate,
     /// Geometry images, unless they were not wanted.
@@ -76,10 +78,10 @@ impl Side<'_> {
         self.image.iter().map(|p| p.map_or(anywhere, |p| p.position(other.mesh))).collect()
     }
 
-    /// The measures of the compatible mesh on the mesh of `other`.
-    pub fn distortion(&self, other: &Side) -> Distortion {
+    /// The measures of the compatible mesh on the mesh of `other`, and its collapsed or turned-over triangles.
+    pub fn distortion(&self, other: &Side) -> (Distortion, Vec<FaceId>) {
         let image = self.image_positions(other);
-        let flips = flips_on_target(self.mesh, other.mesh, self.image, &image).len();
-        distortion(&self.mesh.faces(), &self.mesh.positions, &image, flips)
+        let flips = flips_on_target(self.mesh, other.mesh, self.image, &image);
+        (distortion(&self.mesh.faces(), &self.mesh.positions, &image, flips.len()), flips)
     }
 }

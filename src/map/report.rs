@@ -20,6 +20,8 @@ pub struct Report {
     pub landmarks: usize,
     /// The layout.
     pub layout: LayoutSummary,
+    /// How the distortion was lowered.
+    pub relaxation: RelaxationSummary,
     /// Why the map is a homeomorphism.
     pub certificate: Certificate,
     /// `source_on_target.obj` against the source, both ways.
@@ -62,6 +64,28 @@ pub struct LayoutSummary {
     pub postponed: usize,
     /// Arcs that were flipped on both meshes at once to lower distortion.
     pub flips: usize,
+}
+
+/// The energies before and after each phase of the relaxation.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RelaxationSummary {
+    /// How far the map was relaxed, as on the command line.
+    pub method: &'static str,
+    /// The embeddings of the source's and the target's patches, relaxed by the kernels.
+    pub stretch: [StretchSummary; 2],
+    /// Symmetric Dirichlet energy of the map, mean of both directions: before, and after every round.
+    pub energies: Vec<f64>,
+}
+
+/// Stretch of one mesh's patches against the triangles they are embedded in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct StretchSummary {
+    /// E_L2 of the embeddings as they were solved.
+    pub before: f64,
+    /// E_L2 after the kernels.
+    pub after: f64,
+    /// Patches whose stretch fell.
+    pub improved: usize,
 }
 
 /// Largest resident memory of this process so far, in bytes; 0 where the system does not say.

@@ -154,20 +154,10 @@ impl Connectivity {
         self.twin(prev(h))
     }
 
-    /// The next half-edge around the start of `h`, clockwise; None past the boundary.
-    pub fn turn_right(&self, h: HalfedgeId) -> Option<HalfedgeId> {
-        self.twin(h).map(next)
-    }
-
     /// The half-edges leaving `v`, counter-clockwise; each stands for the face at its left.
     pub fn outgoing(&self, v: VertexId) -> Outgoing<'_> {
         let start = self.leaving(v);
         Outgoing { conn: self, start, at: start }
-    }
-
-    /// True if `v` lies on the boundary (false for unreferenced vertices).
-    pub fn is_boundary_vertex(&self, v: VertexId) -> bool {
-        self.leaving(v).is_some_and(|h| self.twin(h).is_none())
     }
 
     /// The half-edge from `a` to `b`, if there is one in that direction.

@@ -2,6 +2,7 @@
 
 pub mod check;
 pub mod connectivity;
+pub mod face_tree;
 pub mod id;
 pub mod io;
 pub mod metric;

@@ -3,6 +3,7 @@
 pub mod base_complex;
 pub mod cluster;
 pub mod cut_mesh;
+pub mod extremity;
 pub mod face_cells;
 pub mod front;
 pub mod network;

@@ -158,7 +158,7 @@ fn terminal(cut: &CutMesh, corner: Corner) -> Option<Terminal> {
 /// The shortest path between two corners of one region.
 ///
 /// If the nodes leave no way although the corners share a region, the region is refined around its blocked vertices;
-/// then a way along free vertices exists (`algorithms.md` 4: a path always exists).
+/// then a way along free vertices exists.
 pub fn connect(cut: &mut CutMesh, mesh: &TriMesh, searcher: &mut Searcher, ends: [Corner; 2]) -> Result<Path> {
     for _ in 0..2 {
         let [start, goal] = ends.map(|c| terminal(cut, c));

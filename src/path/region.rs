@@ -1,4 +1,4 @@
-//! The regions that a set of arcs leaves on a mesh, and the structure two meshes must share (`algorithms.md` 4).
+//! The regions that a set of arcs leaves on a mesh, and the structure two meshes must share.
 //!
 //! The cyclic order of arcs around every landmark is kept by construction (an arc is only ever traced into its own
 //! sector), so the boundary walks agree; what remains to compare is which walks and which arc-free landmarks lie in the

@@ -20,13 +20,24 @@ pub struct MapJob {
 /// How far the distortion is lowered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Relaxation {
-    /// Not at all: mean value embeddings as they are.
+    /// Not at all: the embeddings as they are, each with little stretch.
     None,
     /// Within each patch, arcs held.
     Patch,
     /// Across the arcs, which move with it.
     #[default]
     Full,
+}
+
+impl Relaxation {
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Relaxation::None => "none",
+            Relaxation::Patch => "patch",
+            Relaxation::Full => "full",
+        }
+    }
 }
 
 /// How pairs are mapped; common to the jobs of a run.

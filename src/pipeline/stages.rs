@@ -26,6 +26,7 @@ pub fn run_maps(
             .then(Stage::Cluster, steps::cluster)
             .then(Stage::Trace, steps::trace)
             .then(Stage::Embed, steps::embed)
+            .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
             .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, step))
             .then(Stage::Compose, steps::compose)
             .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, step))
@@ -47,7 +48,9 @@ pub enum Stage {
     Trace,
     /// Embeds every patch into its base triangle.
     Embed,
-    /// Lowers the distortion; owns the compute device.
+    /// Lowers the stretch of the embeddings, all patches in one batch on the compute device.
+    Stretch,
+    /// Lowers the distortion of the composed map.
     Relax,
     /// Joins the embeddings into the map and certifies it.
     Compose,
@@ -59,12 +62,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 9] = [
+    pub const ALL: [Stage; 10] = [
         Stage::Load,
         Stage::Check,
         Stage::Cluster,
         Stage::Trace,
         Stage::Embed,
+        Stage::Stretch,
         Stage::Relax,
         Stage::Compose,
         Stage::Bake,
@@ -79,6 +83,7 @@ impl Stage {
             Stage::Cluster => "cluster",
             Stage::Trace => "trace",
             Stage::Embed => "embed",
+            Stage::Stretch => "stretch",
             Stage::Relax => "relax",
             Stage::Compose => "compose",
             Stage::Bake => "bake",

@@ -4,15 +4,15 @@ use super::images::geometry_images;
 use super::job::{MapJob, Relaxation};
 use super::line::Step;
 use super::pair::Pair;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
-use crate::map::report::{LayoutSummary, Report};
+use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::mesh::{TriMesh, VertexId};
-use crate::path::cluster::Clusters;
 use crate::stage;
 use crate::stage::check::{Checked, LoadedMesh};
+use crate::stage::cluster::Clustered;
 use crate::stage::compose::Composed;
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
@@ -22,16 +22,21 @@ use std::path::PathBuf;
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
 const EDGE_NODES: u32 = 3;
 
+/// Layouts that are tried out by the energy they lead to; more cost time and hardly ever win.
+const CANDIDATES: usize = 3;
+
 /// Both meshes embedded, with the layout in numbers and what the user should know.
 pub struct Embedded {
     summary: LayoutSummary,
     embedding: Embedding,
+    relaxation: RelaxationSummary,
     notes: Vec<String>,
 }
 
 /// A finished map before it is written.
 pub struct Finished {
     summary: LayoutSummary,
+    relaxation: RelaxationSummary,
     composed: Composed,
     notes: Vec<String>,
     images: Option<GeometryImages>,
@@ -50,18 +55,21 @@ pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
     Ok(Pair { out, checked: stage::check::check(loaded)?, made: () })
 }
 
-pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<[Clusters; 2]>> {
+pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Clustered>> {
     pair.then(|checked, ()| {
-        let clusters = stage::cluster::cluster(meshes(checked), landmarks(checked));
-        step.detail(format!("{} and {} cuts", clusters[0].cuts.len(), clusters[1].cuts.len()));
-        Ok(clusters)
+        let clustered = stage::cluster::cluster(meshes(checked), landmarks(checked));
+        let auxiliary = clustered.base_vertices[0].len() - checked.landmarks.source.len();
+        let cuts = clustered.clusters.each_ref().map(|c| c.cuts.len());
+        step.detail(format!("{} and {} cuts, {auxiliary} limbs without a landmark matched", cuts[0], cuts[1]));
+        Ok(clustered)
     })
 }
 
-pub fn trace(pair: Pair<[Clusters; 2]>, step: &Step) -> Result<Pair<Layout>> {
-    pair.then(|checked, clusters| {
-        let mut layouts = stage::layout::layouts(meshes(checked), landmarks(checked), &clusters, EDGE_NODES, 1)?;
-        let layout = layouts.swap_remove(0);
+pub fn trace(pair: Pair<Clustered>, step: &Step) -> Result<Pair<Layout>> {
+    pair.then(|checked, Clustered { base_vertices: [on_source, on_target], clusters }| {
+        let vertices = [on_source.as_slice(), on_target.as_slice()];
+        let layouts = stage::layout::layouts(meshes(checked), vertices, &clusters, EDGE_NODES, CANDIDATES)?;
+        let layout = stage::choose::choose(meshes(checked), layouts)?;
         step.detail(format!("{} arcs, {} patches", layout.base.arcs.len(), layout.base.patches.len()));
         Ok(layout)
     })
@@ -77,7 +85,17 @@ pub fn embed(pair: Pair<Layout>, _: &Step) -> Result<Pair<Embedded>> {
             flips: 0,
         };
         let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
-        Ok(Embedded { summary, embedding, notes })
+        let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
+        Ok(Embedded { summary, embedding, relaxation, notes })
+    })
+}
+
+pub fn stretch(pair: Pair<Embedded>, compute: &Compute, step: &Step) -> Result<Pair<Embedded>> {
+    pair.then(|_, mut embedded| {
+        let stretch = stage::stretch::stretch(compute, &mut embedded.embedding)?;
+        step.detail(stretch.map(|s| format!("E_L2 {:.3} to {:.3}", s.before, s.after)).join(", "));
+        embedded.relaxation.stretch = stretch;
+        Ok(embedded)
     })
 }
 
@@ -92,15 +110,20 @@ pub fn relax(pair: Pair<Embedded>, how: Relaxation, step: &Step) -> Result<Pair<
         if let [first, .., last] = energies.as_slice() {
             step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", energies.len() - 1));
         }
+        embedded.relaxation.method = how.name();
+        embedded.relaxation.energies = energies;
         Ok(embedded)
     })
 }
 
 pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
-    pair.then(|checked, Embedded { summary, embedding, notes }| {
+    pair.then(|checked, Embedded { summary, embedding, relaxation, notes }| {
         let composed = stage::compose::compose(meshes(checked), embedding)?;
-        step.detail(if composed.certificate.bijective { "certified" } else { "not certified" });
-        Ok(Finished { summary, composed, notes, images: None })
+        if !composed.certificate.bijective {
+            return Err(Error::bug(format!("the finished map is not bijective: {:?}", composed.certificate)));
+        }
+        step.detail("certified");
+        Ok(Finished { summary, relaxation, composed, notes, images: None })
     })
 }
 
@@ -120,6 +143,7 @@ pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> 
         landmarks: &checked.landmarks,
         base: &made.composed.embedding.base,
         layout: made.summary.clone(),
+        relaxation: made.relaxation.clone(),
         certificate: made.composed.certificate,
         images: made.images.as_ref(),
         device,

@@ -138,8 +138,8 @@ fn divide_by_stretch(weights: &mut [Vec<f64>], rings: &[Vec<u32>], sigma: &[f64]
     }
 }
 
-/// Mean value weights of a vertex towards its ring, from the angles on the surface.
-fn mean_value(v: usize, ring: &[u32], points: &[DVec3]) -> Vec<f64> {
+/// Mean value weights of a vertex towards its closed, counter-clockwise ring, from the angles on the surface; largest 1.
+pub fn mean_value(v: usize, ring: &[u32], points: &[DVec3]) -> Vec<f64> {
     let spokes: Vec<DVec3> = ring.iter().map(|&j| points[j as usize] - points[v]).collect();
     let n = ring.len();
     let half_tangent = |i: usize| {

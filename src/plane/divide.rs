@@ -1,4 +1,4 @@
-//! Splits dividing edges, which would make a convex embedding degenerate (`algorithms.md` 6).
+//! Splits dividing edges, which would make a convex embedding degenerate.
 //!
 //! An edge inside a patch whose two ends lie on the same side of it would be flattened onto that side, and the triangle
 //! behind it with it. Splitting such an edge puts a free vertex between them.

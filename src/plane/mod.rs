@@ -5,6 +5,7 @@ pub mod diagonal;
 pub mod divide;
 pub mod domain;
 pub mod locate;
+pub mod newton;
 pub mod orientation;
 pub mod patch_disc;
 pub mod progressive;

@@ -1,4 +1,4 @@
-//! Relaxation of the composed map inside a domain (`algorithms.md` 7).
+//! Relaxation of the composed map inside a domain.
 //!
 //! Both meshes are embedded in the same domain. The vertices of one move, one at a time, so that the symmetric
 //! Dirichlet energy of the map between the meshes falls. Every triangle of the moving mesh sees the metrics of the fixed
@@ -6,6 +6,7 @@
 //! not overlooked, and the energy is the same one whichever mesh moves: the mean of both meshes' area-weighted energies.
 
 use super::domain::{Domain, Fans};
+use super::stretch::Frame;
 use super::walk::{Spot, walk};
 use crate::mesh::metric;
 use crate::solve::dirichlet::{Local, Metrics, Rest, newton_step};
@@ -24,10 +25,10 @@ const NEGLIGIBLE: f64 = 1e-9;
 
 /// The moving mesh over a fixed one.
 pub struct Smoother<'a> {
-    moving: &'a mut Domain,
+    pub(super) moving: &'a mut Domain,
     fans: Fans,
-    rest: Vec<Rest>,
-    metrics: Vec<Metrics>,
+    pub(super) rest: Vec<Rest>,
+    pub(super) metrics: Vec<Metrics>,
 }
 
 impl<'a> Smoother<'a> {
@@ -38,7 +39,25 @@ impl<'a> Smoother<'a> {
         Smoother { fans: moving.fans(), moving, rest, metrics }
     }
 
-    /// Energy of all triangles, each capped at [`CAP`] times its weight: the area of the domain's meshes for an isometry.
+    /// A patch over the flat triangle of its frame, scaled to the patch's area: for embeddings of one mesh alone.
+    pub fn flat(moving: &'a mut Domain, frame: &Frame) -> Self {
+        let rest = moving.triangles.iter().map(|t| Rest::new(metric::flatten(spatial(moving, t)))).collect();
+        let areas = areas(moving);
+        let total: f64 = areas.iter().sum();
+        let unit = (total / frame.area()).sqrt();
+        let derivative = [frame.first, frame.second].map(|d| (d * unit).extend(0.0));
+        let weigh = |&area: &f64| {
+            let mut metrics = Metrics::NONE;
+            if area > NEGLIGIBLE * total / areas.len() as f64 {
+                metrics.add(derivative, area);
+            }
+            metrics
+        };
+        let metrics = areas.iter().map(weigh).collect();
+        Smoother { fans: moving.fans(), moving, rest, metrics }
+    }
+
+    /// Energy of all triangles, each capped at `CAP` times its weight: the area of the domain's meshes for an isometry.
     pub fn energy(&self) -> f64 {
         let one = |t: usize| {
             let [p, b, c] = self.moving.triangle(t);
@@ -48,7 +67,16 @@ impl<'a> Smoother<'a> {
         (0..self.rest.len()).map(one).sum()
     }
 
-    fn has_say(&self, t: usize) -> bool {
+    /// Energy of all triangles, none capped.
+    pub(super) fn raw_energy(&self) -> f64 {
+        let one = |t: usize| {
+            let [p, b, c] = self.moving.triangle(t);
+            if self.has_say(t) { self.rest[t].energy(&self.metrics[t], 0, p, b, c) } else { 0.0 }
+        };
+        (0..self.rest.len()).map(one).sum()
+    }
+
+    pub(super) fn has_say(&self, t: usize) -> bool {
         self.metrics[t] != Metrics::NONE
     }
 

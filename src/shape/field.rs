@@ -28,7 +28,7 @@ pub struct Sample {
 }
 
 /// A solid: the points where the field is negative.
-pub type Field<'a> = dyn Fn(DVec3) -> Sample + 'a;
+pub type Field<'a> = dyn Fn(DVec3) -> Sample + Sync + 'a;
 
 impl Sample {
     fn complement(self) -> Self {

@@ -1,7 +1,8 @@
 //! Generated meshes: the demo's pairs with their landmarks, and fixtures chosen by property.
 //!
 //! Smooth solids are written as signed fields ([`field`]), polygonised ([`march`]) and remeshed to any
-//! resolution. Everything is computed from closed forms, sequentially: equal arguments give equal bytes.
+//! resolution. Everything is computed from closed forms: equal arguments give equal bytes
+//! on any number of threads.
 //!
 //! Animals look along +x, their left is +y, up is +z; faces wind counter-clockwise seen from outside.
 
@@ -33,16 +34,22 @@ pub struct Shape {
     pub landmarks: Vec<(String, VertexId)>,
 }
 
-/// The demo's pairs as (name, source, target), with about `resolution` vertices a mesh.
-///
-/// The two shapes of a pair have the same landmark names in the same order.
-pub fn demo_pairs(resolution: usize) -> Vec<(String, Shape, Shape)> {
-    vec![
-        (
-            "quadrupeds".to_string(),
-            quadruped(Quadruped::Bull, resolution),
-            quadruped(Quadruped::Mule, resolution * 4 / 5),
-        ),
-        ("mug-doughnut".to_string(), mug(resolution), doughnut(resolution * 4 / 5)),
-    ]
+/// A source and a target with the same landmark names in the same order.
+pub struct DemoPair {
+    /// A name fit for a folder.
+    pub name: &'static str,
+    /// Genus of both shapes.
+    pub genus: i64,
+    /// Makes the shapes with about so many vertices.
+    pub generate: fn(usize) -> (Shape, Shape),
 }
+
+/// The demo's pairs; the target gets four fifths of the vertices.
+pub const DEMO_PAIRS: [DemoPair; 2] = [
+    DemoPair {
+        name: "quadrupeds",
+        genus: 0,
+        generate: |n| rayon::join(|| quadruped(Quadruped::Bull, n), || quadruped(Quadruped::Mule, n * 4 / 5)),
+    },
+    DemoPair { name: "mug-doughnut", genus: 1, generate: |n| rayon::join(|| mug(n), || doughnut(n * 4 / 5)) },
+];

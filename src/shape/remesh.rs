@@ -7,6 +7,7 @@
 use super::draft::Draft;
 use super::field::{Field, curvature, project};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Rounds of the four steps; the vertex count and the angles settle after about eight.
 const ROUNDS: usize = 10;
@@ -67,17 +68,16 @@ fn rounds(field: &Field, mut draft: Draft, vertices: usize, flat: f64, count: us
 
 /// Moves every vertex onto the surface and notes the normal there.
 fn settle(field: &Field, draft: &mut Draft) {
-    for (p, n) in draft.positions.iter_mut().zip(&mut draft.normals) {
-        (*p, *n) = project(field, *p);
-    }
+    let both = draft.positions.par_iter_mut().zip(&mut draft.normals);
+    both.for_each(|(p, n)| (*p, *n) = project(field, *p));
 }
 
 /// Sets the wished edge lengths: by curvature, graded, and scaled so that about `vertices` vertices result.
 fn wish(field: &Field, draft: &mut Draft, flat: f64, vertices: usize, correction: f64) {
-    for v in 0..draft.positions.len() {
-        let bend = curvature(field, draft.positions[v]) * flat;
-        draft.sizes[v] = (1.0 / bend.max(1.0)).sqrt().max(FINEST_SHARE);
-    }
+    draft.sizes.par_iter_mut().zip(&draft.positions).for_each(|(size, &p)| {
+        let bend = curvature(field, p) * flat;
+        *size = (1.0 / bend.max(1.0)).sqrt().max(FINEST_SHARE);
+    });
     for _ in 0..GRADING_PASSES {
         let old = draft.sizes.clone();
         for v in 0..old.len() {
@@ -138,14 +138,15 @@ fn flip_all(draft: &mut Draft) {
 
 /// Moves every vertex towards the middle of its neighbours, along the surface.
 fn smooth(field: &Field, draft: &mut Draft) {
-    let old = draft.positions.clone();
-    for v in 0..old.len() {
-        let (sum, n) = draft.neighbours(v as u32).fold((DVec3::ZERO, 0), |(s, n), w| (s + old[w as usize], n + 1));
+    let moved = |v: usize| {
+        let old = |w: u32| draft.positions[w as usize];
+        let (sum, n) = draft.neighbours(v as u32).fold((DVec3::ZERO, 0), |(s, n), w| (s + old(w), n + 1));
+        let (p, normal) = (draft.positions[v], draft.normals[v]);
         if n == 0 {
-            continue;
+            return (p, normal);
         }
-        let step = sum / f64::from(n) - old[v];
-        let normal = draft.normals[v];
-        (draft.positions[v], draft.normals[v]) = project(field, old[v] + (step - normal * step.dot(normal)) * 0.5);
-    }
+        let step = sum / f64::from(n) - p;
+        project(field, p + (step - normal * step.dot(normal)) * 0.5)
+    };
+    (draft.positions, draft.normals) = (0..draft.positions.len()).into_par_iter().map(moved).unzip();
 }

@@ -8,7 +8,7 @@
 //!   energy = ( tr(M' P M) + tr(M' Q M) / det(M)^2 ) / 4,    P = sum w G,    Q = sum w G / det G.
 //!
 //! With weights that sum to the triangle's area this is the area times the symmetric Dirichlet energy, 1 for an
-//! isometry (`algorithms.md` 1).
+//! isometry.
 
 use glam::{DMat2, DVec2};
 
@@ -51,6 +51,15 @@ pub struct Local {
     pub hessian: DMat2,
 }
 
+/// First and second derivatives of a triangle's energy by its three corners.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// By each corner.
+    pub gradient: [DVec2; 3],
+    /// By each pair of corners.
+    pub hessian: [[DMat2; 3]; 3],
+}
+
 /// A triangle at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
@@ -74,7 +83,7 @@ impl Rest {
     pub fn energy(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> f64 {
         let m = DMat2::from_cols(b - p, c - p) * self.inverse(i);
         let det = m.determinant();
-        if !(det > 0.0) {
+        if det.is_nan() || det <= 0.0 {
             return f64::INFINITY;
         }
         (quadratic(metrics.sum, m) + quadratic(metrics.inverse, m) / (det * det)) * 0.25
@@ -98,6 +107,44 @@ impl Rest {
             energy: (quadratic(metrics.sum, m) + q / d2) * 0.25,
             gradient: gradient * 0.25,
             hessian: hessian * 0.25,
+        }
+    }
+
+    /// Derivatives by all three corners, the second one made positive semidefinite.
+    ///
+    /// With q = tr(M' Q M) and D = det M the term q / D^2 has the second differential
+    /// 2 tr(dM' Q dM) / D^2 - 8 tr(M' Q dM) dD / D^3 + 6 q dD^2 / D^4 - 2 q d2D / D^3. The last part is left out and the
+    /// 6 becomes an 8; what remains is twice the square of Q^(1/2) (dM / D - 2 M dD / D^2).
+    pub fn block(&self, metrics: &Metrics, [p, b, c]: [DVec2; 3]) -> Block {
+        let inverse = self.inverse(0);
+        let m = DMat2::from_cols(b - p, c - p) * inverse;
+        let det = m.determinant();
+        let (d2, d3) = (det * det, det * det * det);
+        let cofactor = DMat2::from_cols(DVec2::new(m.y_axis.y, -m.y_axis.x), DVec2::new(-m.x_axis.y, m.x_axis.x));
+        let (pm, qm) = (metrics.sum * m, metrics.inverse * m);
+        let q = quadratic(metrics.inverse, m);
+        let slope = pm * 2.0 + qm * (2.0 / d2) - cofactor * (2.0 * q / d3);
+        let same = metrics.sum * 2.0 + metrics.inverse * (2.0 / d2);
+        let part = |k: usize, l: usize| {
+            let (a, w) = ([qm.col(k), qm.col(l)], [cofactor.col(k), cofactor.col(l)]);
+            let cross = (outer(a[0], w[1]) + outer(w[0], a[1])) * (4.0 / d3);
+            let base = if k == l { same } else { DMat2::ZERO };
+            base - cross + outer(w[0], w[1]) * (8.0 * q / d2 / d2)
+        };
+        let parts = [[part(0, 0), part(0, 1)], [part(1, 0), part(1, 1)]];
+        let rows = [inverse.row(0), inverse.row(1)];
+        let weights = [-(rows[0] + rows[1]), rows[0], rows[1]];
+        let hessian = |i: usize, j: usize| {
+            let (x, y) = (weights[i], weights[j]);
+            (parts[0][0] * (x.x * y.x)
+                + parts[0][1] * (x.x * y.y)
+                + parts[1][0] * (x.y * y.x)
+                + parts[1][1] * (x.y * y.y))
+                * 0.25
+        };
+        Block {
+            gradient: weights.map(|w| slope * w * 0.25),
+            hessian: std::array::from_fn(|i| std::array::from_fn(|j| hessian(i, j))),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The layout of the source carried over to the target (VORONOI 5.2, `algorithms.md` 4).
+//! The layout of the source carried over to the target (VORONOI 5.2).
 //!
 //! Arcs are taken in some order. Each is traced as the shortest path between the corners that the source's cyclic order
 //! prescribes, and kept if the region structure of both meshes agrees afterwards; otherwise it is postponed. Arcs that

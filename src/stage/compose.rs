@@ -1,4 +1,4 @@
-//! Stage: the map itself, both ways, and its certificate (`algorithms.md` 2).
+//! Stage: the map itself, both ways, and its certificate.
 //!
 //! Input: both meshes embedded in the base complex. Output: where every vertex of either mesh lies on the other, the arcs
 //! as curves, and what the certificate says.

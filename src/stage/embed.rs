@@ -1,4 +1,4 @@
-//! Stage: every patch of both meshes embedded in its base triangle (`algorithms.md` 6).
+//! Stage: every patch of both meshes embedded in its base triangle.
 //!
 //! Input: a layout. Output: positions for every vertex of every patch, boundary vertices by arc length, free ones by
 //! mean value weights re-weighted by stretch. Invariant: every triangle is exactly positively oriented.
@@ -6,13 +6,17 @@
 use super::layout::Layout;
 use crate::error::{Error, Result};
 use crate::map::embedding::{EmbeddedMesh, Embedding};
-use crate::mesh::{ArcId, Id, IdVec, PatchId, TriMesh};
+use crate::mesh::{ArcId, Id, IdVec, PatchId, TriMesh, VertexId};
 use crate::path::base_complex::BaseComplex;
 use crate::path::cut_mesh::CutMesh;
-use crate::plane::convex::{Weights, embed_patch};
+use crate::plane::convex::{Weights, embed_patch, is_embedded};
 use crate::plane::divide::split_dividing_edges;
-use crate::plane::patch_disc::{arc_shares, patch_discs};
+use crate::plane::domain::Domain;
+use crate::plane::newton::newton;
+use crate::plane::patch_disc::{PatchDisc, arc_shares, patch_discs};
+use crate::plane::smooth::Smoother;
 use crate::plane::stretch::Frame;
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Embeds both meshes; also returns what the user should know.
@@ -63,11 +67,30 @@ fn embed_all(mesh: &mut EmbeddedMesh, frames: &IdVec<PatchId, Frame>) -> Result<
         .zip(&frames.raw)
         .map(|(disc, frame)| {
             let points: Vec<_> = disc.vertices.iter().map(|&v| cut.positions[v]).collect();
-            embed_patch(disc, &points, frame)
+            let kind = embed_patch(disc, &points, frame)?;
+            unfold(disc, frame, &|v| cut.positions[v]);
+            Some(kind)
         })
         .collect();
     if let Some(p) = kinds.iter().position(Option::is_none) {
         return Err(Error::bug("a patch cannot be embedded in double precision").at(PatchId::new(p)));
     }
     Ok(kinds.iter().filter(|k| **k == Some(Weights::Uniform)).count())
+}
+
+/// Newton steps on an embedding before the meshes meet; limbs that the convex embedding crushed have room after these.
+const UNFOLDING: usize = 8;
+
+/// Lowers the symmetric Dirichlet energy of a patch against its flat frame; keeps it as it was if rounding spoils it.
+fn unfold(disc: &mut PatchDisc, frame: &Frame, points: &dyn Fn(VertexId) -> DVec3) {
+    let mut domain = Domain::of_patch(disc, points);
+    let mut smoother = Smoother::flat(&mut domain, frame);
+    for _ in 0..UNFOLDING {
+        if !newton(&mut smoother) {
+            break;
+        }
+    }
+    if is_embedded(disc, &domain.positions) {
+        disc.positions = domain.positions;
+    }
 }

@@ -1,4 +1,4 @@
-//! Stage: one layout on both meshes (VORONOI 5, `algorithms.md` 3 and 4).
+//! Stage: one layout on both meshes (VORONOI 5).
 //!
 //! Input: the source's traced layout and the target. Output: two cut meshes that carry the same base complex. The
 //! target's arcs are carried in several orders side by side; the shortest result is kept, every arc is traced again

@@ -3,6 +3,7 @@
 pub mod bake;
 pub mod carry;
 pub mod check;
+pub mod choose;
 pub mod cluster;
 pub mod compose;
 pub mod embed;
@@ -12,5 +13,6 @@ pub mod load;
 pub mod order;
 pub mod rebuild;
 pub mod relax;
+pub mod stretch;
 pub mod trace;
 pub mod write;

@@ -1,4 +1,4 @@
-//! Orders in which arcs are carried to the target; the order matters more than search (`algorithms.md` 4).
+//! Orders in which arcs are carried to the target; the order matters more than search.
 
 use super::trace::{Link, Traced};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId};

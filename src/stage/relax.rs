@@ -1,4 +1,4 @@
-//! Stage: the composed map relaxed (`algorithms.md` 7), certificate kept.
+//! Stage: the composed map relaxed, certificate kept.
 //!
 //! Input: an embedding. Output: the same with lower symmetric Dirichlet energy of the map in both directions. The two
 //! patches at an arc are glued into one domain, the vertices of either mesh move in it while the other holds still, and
@@ -14,6 +14,7 @@ use crate::mesh::{ArcId, Id, IdVec, PatchId, TriMesh, VertexId};
 use crate::plane::convex::is_embedded;
 use crate::plane::diagonal::{Segment, read_segment};
 use crate::plane::domain::{Domain, Placement};
+use crate::plane::newton::newton;
 use crate::plane::smooth::Smoother;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,6 +22,8 @@ use rayon::prelude::*;
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxOptions {
+    /// Newton steps before the sweeps.
+    pub newton: usize,
     /// Sweeps of one mesh's vertices over the other mesh before their roles are exchanged.
     pub sweeps: usize,
     /// Exchanges of roles in one visit of a domain.
@@ -33,7 +36,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { sweeps: 3, exchanges: 2, rounds: 12, tolerance: 2e-3 }
+        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 12, tolerance: 2e-3 }
     }
 }
 
@@ -166,16 +169,21 @@ fn patch_domain(embedding: &Embedding, p: PatchId, k: usize, scale: f64) -> Doma
 fn alternate([source, target]: &mut [Domain; 2], options: &RelaxOptions) -> bool {
     let before = Smoother::new(source, target).energy();
     for _ in 0..options.exchanges {
-        smooth(source, target, options.sweeps);
-        smooth(target, source, options.sweeps);
+        smooth(source, target, options);
+        smooth(target, source, options);
     }
     let after = Smoother::new(source, target).energy();
     after < before || !before.is_finite()
 }
 
-fn smooth(moving: &mut Domain, fixed: &Domain, sweeps: usize) {
+fn smooth(moving: &mut Domain, fixed: &Domain, options: &RelaxOptions) {
+    for _ in 0..options.newton {
+        if !newton(&mut Smoother::new(moving, fixed)) {
+            break;
+        }
+    }
     let mut smoother = Smoother::new(moving, fixed);
-    for sweep in 0..sweeps {
+    for sweep in 0..options.sweeps {
         if smoother.sweep(sweep % 2 == 1) == 0 {
             break;
         }

@@ -11,6 +11,7 @@ use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries,
 use crate::map::product::{Product, Side};
 use crate::map::report::{Report, peak_bytes};
 use crate::mesh::io::write_obj;
+use crate::mesh::{FaceId, Id};
 use folder::REPORT_FILE;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -64,14 +65,11 @@ fn side_arcs(side: &Side) -> Vec<Polyline> {
 }
 
 fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
-    let forward = product.source.distortion(&product.target);
-    let backward = product.target.distortion(&product.source);
+    let (forward, flips) = product.source.distortion(&product.target);
+    let (backward, flips_back) = product.target.distortion(&product.source);
     let mut warnings = product.warnings.clone();
-    if !product.certificate.bijective {
-        warnings.push("the map is NOT certified: see certificate for the condition that fails".to_owned());
-    }
-    warnings.extend(flip_warning("source_on_target.obj", forward.forward.flips));
-    warnings.extend(flip_warning("target_on_source.obj", backward.forward.flips));
+    warnings.extend(flip_warning("source_on_target.obj", &product.source, &flips));
+    warnings.extend(flip_warning("target_on_source.obj", &product.target, &flips_back));
     Report {
         version: env!("CARGO_PKG_VERSION"),
         device: product.device.to_owned(),
@@ -79,6 +77,7 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
         target: product.target.summary(),
         landmarks: product.landmarks.names.len(),
         layout: product.layout.clone(),
+        relaxation: product.relaxation.clone(),
         certificate: product.certificate,
         distortion: forward,
         distortion_target_on_source: backward,
@@ -88,12 +87,22 @@ fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f6
     }
 }
 
-/// A map without turned-over triangles can still have turned-over samples.
-fn flip_warning(file: &str, flips: usize) -> Option<String> {
-    (flips > 0).then(|| {
+/// Turned-over faces named in a warning at most; the count says how many there are.
+const NAMED_FLIPS: usize = 5;
+
+/// A map that does not fold can still have turned-over samples.
+fn flip_warning(file: &str, side: &Side, flips: &[FaceId]) -> Option<String> {
+    let polygons = side.file.triangle_polygons();
+    let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| polygons[f.index()].to_string()).collect();
+    if flips.len() > names.len() {
+        names.push("...".to_owned());
+    }
+    (!flips.is_empty()).then(|| {
         format!(
-            "{file}: {flips} triangles are collapsed or turned over: the map is sampled at the vertices only, and these \
-             triangles are too coarse for a fold of the surface they are mapped onto"
+            "{file}: triangles collapsed or turned over: {} (in faces {}, counted from 0): the map does not fold, but \
+             this mesh has it at the vertices only, and a coarse triangle that spans a fold of the other shape can turn",
+            flips.len(),
+            names.join(", ")
         )
     })
 }

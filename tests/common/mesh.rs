@@ -28,7 +28,7 @@ pub fn grid(n: usize, m: usize) -> TriMesh {
     let at = |i: usize, j: usize| j * (n + 1) + i;
     let square = |i: usize, j: usize| {
         let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
-        if (i + j) % 2 == 0 { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
+        if (i + j).is_multiple_of(2) { [[a, b, c], [a, c, d]] } else { [[a, b, d], [b, c, d]] }
     };
     let faces: Vec<_> = (0..m).flat_map(|j| (0..n).flat_map(move |i| square(i, j))).collect();
     mesh(positions, &faces)
