@@ -10,6 +10,7 @@ use homeo::path::cut_mesh::CutMesh;
 use homeo::path::network::{Corner, connect, embed, rotation, sectors};
 use homeo::path::rebuild::rebuild;
 use homeo::path::search::{Anywhere, Path, Searcher, Terminal};
+use homeo::shape::fixture;
 use homeo::shape::{SplitMix, random_landmarks};
 use homeo::stage::layout::{Layout, base_complex};
 
@@ -60,7 +61,7 @@ fn sectors_part_the_neighbourhood_at_the_arcs() {
 /// A strip one face wide on either side of an arc: the second arc has to cross faces more than once.
 #[test]
 fn an_arc_beside_another_embeds_where_no_vertex_is_free() {
-    let mesh = mesh::tetrahedron();
+    let mesh = fixture::tetrahedron();
     let landmarks = mesh::vertices(&[0, 1, 2, 3]);
     let mut cut = CutMesh::new(&mesh, &landmarks, EDGE_NODES);
     let mut searcher = Searcher::default();

@@ -121,9 +121,10 @@ fn opposite_landmarks_of_a_torus_share_two_closed_cuts() {
 
 #[test]
 fn two_clusters_around_a_third_share_two_cuts() {
-    // Landmarks at both poles and one on the equator of a sphere squeezed there: the poles' clusters meet on the far side
-    // only; with two on the equator, opposite each other, they meet twice.
-    let mesh = mesh::sphere(13, 24);
+    // A flattened ball with landmarks at both poles and at the long ends of its equator: the poles' clusters meet at the
+    // two short ends of the equator. Without one of the long ends they meet all around it.
+    let mut mesh = mesh::sphere(13, 24);
+    mesh.positions.raw.iter_mut().for_each(|p| *p *= glam::DVec3::new(1.5, 1.0, 0.6));
     let equator = |i: usize| 2 + 6 * 24 + i;
     let one = Clusters::grow(&mesh, &vertices(&[0, 1, equator(0)]));
     assert_eq!(one.linkage(LandmarkId(0), LandmarkId(1)), 1);

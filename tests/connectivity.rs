@@ -5,6 +5,7 @@ mod common;
 use common::{check, mesh};
 use homeo::mesh::{Connectivity, FaceId, HalfedgeId, Id, TriMesh, VertexId, corner};
 use homeo::shape::SplitMix;
+use homeo::shape::fixture;
 
 /// Splits at random and checks everything after every step.
 fn split_at_random(TriMesh { mut conn, .. }: TriMesh, seed: u64, steps: usize) {
@@ -43,7 +44,7 @@ fn split_edge(conn: &mut Connectivity, h: HalfedgeId) -> VertexId {
 #[test]
 fn splits_keep_a_closed_manifold_seeds_1_to_4() {
     for seed in 1..=4 {
-        split_at_random(mesh::tetrahedron(), seed, 150);
+        split_at_random(fixture::tetrahedron(), seed, 150);
     }
 }
 
@@ -62,7 +63,7 @@ fn splits_keep_a_disc_seeds_6_to_9() {
 #[test]
 fn the_checker_sees_a_broken_fan() {
     // Two tetrahedra that share a vertex: pairs of twins everywhere, but two fans at the vertex.
-    let one = mesh::tetrahedron();
+    let one = fixture::tetrahedron();
     let shift = |v: VertexId| if v.index() == 0 { v } else { VertexId::new(v.index() + 3) };
     let faces: Vec<_> = one.faces().into_iter().flat_map(|f| [f, f.map(shift)]).collect();
     assert!(Connectivity::build(7, &faces).is_err());

@@ -1,8 +1,9 @@
 //! The certificate that a finished map is a bijection, checked from the stored data alone.
 
 use super::embedding::{EmbeddedMesh, Embedding};
-use crate::mesh::{IdVec, PatchId};
-use crate::path::base_complex::BaseComplex;
+use crate::mesh::{ArcId, FaceId, HalfedgeId, IdVec, LandmarkId, PatchId};
+use crate::path::base_complex::{BaseComplex, DirectedArc};
+use crate::path::cut_mesh::CutMesh;
 use crate::path::region::Regions;
 use crate::plane::orientation::orientation;
 use crate::plane::patch_disc::{PatchDisc, on_side};
@@ -13,12 +14,12 @@ use rayon::prelude::*;
 pub struct Certificate {
     /// All of the below hold: the map is a homeomorphism.
     pub bijective: bool,
-    /// Both cut meshes carry the same base complex.
+    /// Both cut meshes carry the same base complex, their arcs between the same landmarks.
     pub same_complex: bool,
-    /// Every patch of both cut meshes is a disc with three sides.
+    /// Every patch of both cut meshes is a disc with three sides, made of the faces it stands for.
     pub patches_are_discs: bool,
     /// Every triangle of every patch is exactly positively oriented in its base triangle, and boundary vertices follow
-    /// each other along its sides.
+    /// each other along its sides, at the same place from both patches of an arc.
     pub positive: bool,
     /// Smallest orientation (twice the signed area) of any triangle, base triangles having orientation 1.
     pub min_orientation: f64,
@@ -26,23 +27,34 @@ pub struct Certificate {
 
 /// Checks both meshes of an embedding.
 pub fn certify(embedding: &Embedding) -> Certificate {
-    let read = [0, 1].map(|k| patches_of(&embedding.meshes[k], &embedding.base));
-    let same_complex = read.iter().all(|patches| patches.as_ref() == Some(&embedding.base.patches));
-    let patches_are_discs = embedding.meshes.iter().all(|m| m.discs.raw.par_iter().all(is_disc));
-    let boundaries = embedding.meshes.iter().all(|m| m.discs.raw.par_iter().all(boundary_in_order));
-    let least = |m: &EmbeddedMesh| m.discs.raw.par_iter().map(min_orientation).reduce(|| f64::INFINITY, f64::min);
-    let min_orientation = embedding.meshes.iter().map(least).fold(f64::INFINITY, f64::min);
+    let Embedding { base, meshes, .. } = embedding;
+    let read = |m: &EmbeddedMesh| arcs_join_their_ends(m, base) && patches_of(m, base).as_ref() == Some(&base.patches);
+    let same_complex = meshes.iter().all(read);
+    let disc = |m: &EmbeddedMesh| m.discs.raw.par_iter().all(|d| is_disc(d) && stands_for_its_faces(d, &m.cut));
+    let patches_are_discs = meshes.iter().all(disc);
+    // Without the two above, a patch has no boundary to speak of.
+    let boundaries = same_complex && patches_are_discs && meshes.iter().all(|m| boundaries_follow_arcs(m, base));
+    let least = |m: &EmbeddedMesh| m.discs.raw.par_iter().map(min_orientation).reduce(|| f64::INFINITY, worse);
+    let min_orientation = meshes.iter().map(least).fold(f64::INFINITY, worse);
     let positive = boundaries && min_orientation > 0.0;
     let bijective = same_complex && patches_are_discs && positive;
     Certificate { bijective, same_complex, patches_are_discs, positive, min_orientation }
 }
 
+/// True if every arc is a chain of edges between the landmarks at its ends.
+fn arcs_join_their_ends(mesh: &EmbeddedMesh, base: &BaseComplex) -> bool {
+    let cut = &mesh.cut;
+    let known = cut.landmarks.iter_ids().all(|(l, &v)| cut.landmark_at[v] == Some(l));
+    let joined = |(arc, ends): (ArcId, &[LandmarkId; 2])| {
+        let end = cut.arc_path(arc, ends[0]).last().map(|&h| cut.conn.to(h));
+        end == Some(cut.landmarks[ends[1]])
+    };
+    known && cut.landmarks.len() == base.landmarks && base.arcs.iter_ids().all(joined)
+}
+
 /// The patches as the arcs on the cut mesh bound them; None if some region is not a triangular disc or its faces are
 /// not those of the embedded patch.
-fn patches_of(
-    mesh: &EmbeddedMesh,
-    base: &BaseComplex,
-) -> Option<IdVec<PatchId, [crate::path::base_complex::DirectedArc; 3]>> {
+fn patches_of(mesh: &EmbeddedMesh, base: &BaseComplex) -> Option<IdVec<PatchId, [DirectedArc; 3]>> {
     let regions = Regions::find(&mesh.cut, &|_| true);
     let mut patches = Vec::with_capacity(base.patches.len());
     for disc in mesh.discs.iter() {
@@ -83,22 +95,54 @@ fn is_disc(disc: &PatchDisc) -> bool {
     outer == disc.boundary && disc.vertices.len() + disc.triangles.len() == inner + outer + 1
 }
 
-/// Boundary vertices lie exactly on the sides, in order from corner to corner.
-fn boundary_in_order(disc: &PatchDisc) -> bool {
-    let n = disc.boundary;
-    (0..3).all(|k| {
-        let from = disc.corners[k] as usize;
-        let to = if k == 2 { n } else { disc.corners[k + 1] as usize };
-        let share = |i: usize| {
-            let p = disc.positions[i % n];
-            if k == 0 { p.x } else { if k == 1 { p.y } else { 1.0 - p.y } }
-        };
-        let starts = disc.positions[from] == on_side(k, 0.0);
-        let ends = disc.positions[to % n] == on_side(k, 1.0);
-        let on = (from..to).all(|i| disc.positions[i] == on_side(k, share(i)));
-        let last = |i: usize| if i == to { 1.0 } else { share(i) };
-        starts && ends && on && (from..to).all(|i| last(i) < last(i + 1))
-    })
+/// True if the triangles have the corners of the faces they stand for.
+fn stands_for_its_faces(disc: &PatchDisc, cut: &CutMesh) -> bool {
+    let corners = |t: &[u32; 3]| t.map(|v| disc.vertices[v as usize]);
+    let same = |(t, &f): (&[u32; 3], &FaceId)| corners(t) == cut.conn.face(f);
+    disc.triangles.len() == disc.faces.len() && disc.triangles.iter().zip(&disc.faces).all(same)
+}
+
+/// True if the boundary of every patch runs along its arcs, every vertex exactly at its share of the arc: in order, and
+/// at the same place from both patches of the arc.
+fn boundaries_follow_arcs(mesh: &EmbeddedMesh, base: &BaseComplex) -> bool {
+    let paths: IdVec<ArcId, Vec<HalfedgeId>> =
+        base.arcs.iter_ids().map(|(arc, ends)| mesh.cut.arc_path(arc, ends[0])).collect();
+    let ordered = |(arc, path): (ArcId, &Vec<HalfedgeId>)| {
+        let shares = &mesh.shares[arc];
+        let ends = (shares.first(), shares.last()) == (Some(&0.0), Some(&1.0));
+        ends && shares.len() == path.len() + 1 && shares.windows(2).all(|w| w[0] < w[1])
+    };
+    let patches: Vec<PatchId> = base.patches.ids().collect();
+    paths.iter_ids().all(ordered) && patches.par_iter().all(|&p| boundary_follows_arcs(mesh, base, p, &paths))
+}
+
+fn boundary_follows_arcs(
+    mesh: &EmbeddedMesh,
+    base: &BaseComplex,
+    p: PatchId,
+    paths: &IdVec<ArcId, Vec<HalfedgeId>>,
+) -> bool {
+    let disc = &mesh.discs[p];
+    let mut at = 0;
+    for (k, side) in base.patches[p].iter().enumerate() {
+        let (path, shares) = (&paths[side.arc], &mesh.shares[side.arc]);
+        if disc.corners[k] as usize != at || disc.boundary < at + path.len() {
+            return false;
+        }
+        for i in 0..path.len() {
+            let (v, s) = if side.reversed {
+                let j = path.len() - i;
+                (mesh.cut.conn.to(path[j - 1]), 1.0 - shares[j])
+            } else {
+                (mesh.cut.conn.from(path[i]), shares[i])
+            };
+            if disc.vertices[at] != v || disc.positions[at] != on_side(k, s) {
+                return false;
+            }
+            at += 1;
+        }
+    }
+    at == disc.boundary
 }
 
 fn min_orientation(disc: &PatchDisc) -> f64 {
@@ -106,6 +150,10 @@ fn min_orientation(disc: &PatchDisc) -> f64 {
         let [a, b, c] = t.map(|v| disc.positions[v as usize]);
         orientation(a, b, c)
     };
-    // NaN must not pass for positive, so it counts as the worst.
-    disc.triangles.iter().map(one).fold(f64::INFINITY, |m, x| if x < m || x.is_nan() { x } else { m })
+    disc.triangles.iter().map(one).fold(f64::INFINITY, worse)
+}
+
+/// The lower of two orientations; NaN must not pass for positive, so it counts as the lowest.
+fn worse(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a < b { a } else { b }
 }

@@ -3,6 +3,7 @@
 use glam::DVec3;
 use homeo::mesh::{Connectivity, FaceId, Id, TriMesh, VertexId, corner};
 use homeo::shape::SplitMix;
+use homeo::shape::fixture::tetrahedron;
 use std::f64::consts::{PI, TAU};
 
 /// A mesh from plain numbers.
@@ -16,24 +17,9 @@ pub fn vertices(numbers: &[usize]) -> Vec<VertexId> {
     numbers.iter().map(|&v| VertexId::new(v)).collect()
 }
 
-/// Four vertices, four faces.
-pub fn tetrahedron() -> TriMesh {
-    let p = [[1, 1, 1], [-1, -1, 1], [-1, 1, -1], [1, -1, -1]];
-    let positions = p.map(|p| DVec3::from(p.map(f64::from))).to_vec();
-    mesh(positions, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
-}
-
 /// Six vertices, eight faces; vertices 0 and 1 are the poles.
 pub fn octahedron() -> TriMesh {
     revolution(&[(0.0, -1.0), (1.0, 0.0), (0.0, 1.0)], 4)
-}
-
-/// Eight vertices, twelve faces.
-pub fn cube() -> TriMesh {
-    let positions = (0..8).map(|i| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2))).collect();
-    let quads = [[0usize, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-    let faces: Vec<_> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    mesh(positions, &faces)
 }
 
 /// A plane grid of `n` by `m` squares with side 1, each cut along a diagonal; vertex (i, j) is number `j (n + 1) + i`.
