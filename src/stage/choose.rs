@@ -1,4 +1,4 @@
-//! Stage: the best of several layouts, by the energy they lead to (`algorithms.md` 4).
+//! Stage: the best of several layouts, by the energy they lead to.
 //!
 //! Arc lengths tell poor layouts from good ones, but not which of the good ones runs around the limbs the right way. So
 //! each is embedded and relaxed a little, and the one with the lowest energy is kept.
