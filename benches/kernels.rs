@@ -37,10 +37,13 @@ fn grid(n: usize) -> Grid {
     }
 }
 
-/// The CPU, and an adapter if there is one.
-fn devices() -> Vec<(String, Compute)> {
-    let adapter = Device::open(&DeviceChoice::Gpu).ok().map(|device| (device.description, device.compute));
-    [("CPU".to_owned(), Compute::Cpu)].into_iter().chain(adapter).collect()
+/// The CPU, and an adapter if there is one; says which.
+fn devices() -> Vec<(&'static str, Compute)> {
+    let adapter = Device::open(&DeviceChoice::Gpu).ok().map(|device| {
+        eprintln!("adapter: {}", device.description);
+        ("adapter", device.compute)
+    });
+    [("CPU", Compute::Cpu)].into_iter().chain(adapter).collect()
 }
 
 fn kernels(c: &mut Criterion) {
@@ -58,7 +61,7 @@ fn kernels(c: &mut Criterion) {
             let mut bench = |kernel: &str, run: &mut dyn FnMut()| {
                 let mut group = c.benchmark_group(kernel);
                 group.throughput(Throughput::Elements(grid.triangles.len() as u64));
-                group.bench_function(BenchmarkId::new(name, grid.triangles.len()), |b| b.iter(&mut *run));
+                group.bench_function(BenchmarkId::new(*name, grid.triangles.len()), |b| b.iter(&mut *run));
             };
             let stretch = || kernel::stretch(compute, &grid.triangles, &plane, &surface).expect("the device works");
             bench("stretch", &mut || drop(black_box(stretch())));

@@ -36,7 +36,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 8, tolerance: 5e-3 }
+        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 6, tolerance: 5e-3 }
     }
 }
 
