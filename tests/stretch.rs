@@ -19,7 +19,7 @@ fn embedded() -> Embedding {
     let landmarks = random_landmarks(&meshes[0], 8, 3);
     let (meshes, landmarks): ([&TriMesh; 2], _) = (meshes.each_ref(), [&landmarks[..]; 2]);
     let clusters = cluster(meshes, landmarks);
-    let layout = layouts(meshes, landmarks, &clusters, 3, 1).expect("spheres have a layout").swap_remove(0);
+    let layout = layouts(meshes, landmarks, &clusters.clusters, 3, 1).expect("spheres have a layout").swap_remove(0);
     embed(meshes, layout).expect("patches embed").0
 }
 

@@ -6,9 +6,10 @@
 
 use super::carry::{Carried, Carrier};
 use super::order::{ORDERS, Order, arrange};
+use super::same_triangles::on_same_triangles;
 use super::trace::{Traced, trace};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
+use crate::mesh::{ArcId, HalfedgeId, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
@@ -88,6 +89,10 @@ fn carry_all(
     edge_nodes: u32,
 ) -> Result<Vec<Candidate>> {
     let to = 1 - from;
+    if let Some(cuts) = on_same_triangles(traced, meshes, landmarks[to], edge_nodes)? {
+        let lengths = cuts.each_ref().map(|cut| arc_lengths(cut, &traced.arcs));
+        return Ok(vec![Candidate { arcs: traced.arcs.clone(), cuts, lengths, order: Order::AsTraced, postponed: 0 }]);
+    }
     let reference = reference_lengths(meshes[to], landmarks[to], traced);
     let scale = meshes.map(|m| m.area().sqrt());
     let relative = traced.arcs.ids().map(|a| traced.lengths[a] / scale[from] + reference[a] / scale[to]).collect();
@@ -119,7 +124,7 @@ fn finish(meshes: [&TriMesh; 2], candidate: Candidate, edge_nodes: u32) -> Resul
     if base_complex(&cuts[1], &arcs)?.patches != base.patches {
         return Err(Error::bug("the two layouts have different patches"));
     }
-    let lengths = [0, 1].map(|k| total_length(&cuts[k], &arcs));
+    let lengths = cuts.each_ref().map(|cut| arc_lengths(cut, &arcs).iter().sum());
     Ok(Layout { base, cuts, lengths, order, postponed })
 }
 
@@ -190,6 +195,7 @@ pub fn base_complex(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> Resu
     Ok(BaseComplex { landmarks: cut.landmarks.len(), arcs: arcs.clone(), patches })
 }
 
-fn total_length(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> f64 {
-    arcs.iter_ids().flat_map(|(arc, ends)| cut.arc_path(arc, ends[0])).map(|h| cut.length(h)).sum()
+fn arc_lengths(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> IdVec<ArcId, f64> {
+    let length = |path: Vec<HalfedgeId>| path.into_iter().map(|h| cut.length(h)).sum();
+    arcs.iter_ids().map(|(arc, ends)| length(cut.arc_path(arc, ends[0]))).collect()
 }

@@ -13,6 +13,7 @@ pub mod load;
 pub mod order;
 pub mod rebuild;
 pub mod relax;
+pub mod same_triangles;
 pub mod stretch;
 pub mod trace;
 pub mod write;

@@ -15,9 +15,11 @@ pub enum Order {
     Tree,
     /// The same with the arcs of the outermost landmarks leading.
     OuterTree,
+    /// No order: both meshes have the same triangles, and every arc was laid where it was traced.
+    AsTraced,
 }
 
-/// All orders.
+/// All orders in which arcs are searched.
 pub const ORDERS: [Order; 4] = [Order::Cuts, Order::Shortest, Order::Tree, Order::OuterTree];
 
 /// Sorts the arcs of `source`; `length` is each arc's length relative to its mesh, summed over both meshes.
@@ -26,7 +28,7 @@ pub fn arrange(order: Order, source: &Traced, target: &Clusters, length: &IdVec<
     arcs.sort_by(|&a, &b| length[a].total_cmp(&length[b]));
     let tree = spanning_tree(source, &arcs);
     match order {
-        Order::Shortest => {}
+        Order::Shortest | Order::AsTraced => {}
         Order::Cuts => arcs.sort_by_key(|&a| cut_class(source, target, a)),
         Order::Tree => arcs.sort_by_key(|&a| !tree[a]),
         Order::OuterTree => {
