@@ -118,10 +118,8 @@ fn the_report_tells_the_energies_of_every_phase() {
     let energies: Vec<f64> = full["energies"].as_array().expect("a list").iter().filter_map(Value::as_f64).collect();
     assert!(energies.len() >= 2 && energies.last() < energies.first(), "{energies:?}");
     let none = map(dir, "none", &["--device", "cpu", "--relax", "none"]).report;
-    assert_eq!(
-        (&none["relaxation"]["method"], &none["relaxation"]["energies"]),
-        (&"none".into(), &Value::Array(vec![]))
-    );
+    assert_eq!(none["relaxation"]["method"], "none");
+    assert_eq!(none["relaxation"]["energies"].as_array().map(Vec::len), Some(1), "the energy as it is");
     let energy = |report: &Value| report["distortion"]["forward"]["symmetric_dirichlet"].as_f64();
     assert!(energy(&reference.report) < energy(&none), "relaxation lowers the distortion");
 }
