@@ -7,13 +7,10 @@ use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::plane::convex::{embed_patch, is_embedded};
 use crate::plane::diagonal::{Place, Segment};
 use crate::plane::domain::{Domain, Placement};
-use crate::plane::patch_disc::{PatchDisc, Scratch, patch_disc};
+use crate::plane::patch_disc::{PatchDisc, Scratch, on_grid, patch_disc};
 use crate::plane::stretch::Frame;
 use glam::DVec2;
 use std::collections::HashMap;
-
-/// Shares along an arc are multiples of this (see [`crate::plane::patch_disc`]).
-const GRID: f64 = 1.0 / (1u64 << 52) as f64;
 
 /// The two patches at an arc: left of it, then right of it.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +55,7 @@ pub fn recut(
         let h = embedded.cut.conn.find(ends[0], ends[1]).ok_or_else(|| lost(pair, ends[0], ends[1]))?;
         embedded.cut.mark(h, DirectedArc { arc: pair.arc, reversed: false });
     }
-    embedded.shares[pair.arc] = segment.iter().map(|&(_, x)| (x / GRID).round() * GRID).collect();
+    embedded.shares[pair.arc] = segment.iter().map(|&(_, x)| on_grid(x)).collect();
     let mut scratch = Scratch::default();
     for k in 0..2 {
         let disc = patch_disc(&embedded.cut, base, pair.patches[k], &embedded.shares, &mut scratch)?;

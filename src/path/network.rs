@@ -48,6 +48,20 @@ pub struct Corner {
     pub after: Option<DirectedArc>,
 }
 
+/// The corner that an end of an arc leaves: behind the arc before it among those that are `active`, other than itself.
+pub fn corner_behind(
+    cut: &CutMesh,
+    arcs: &IdVec<ArcId, [LandmarkId; 2]>,
+    end: DirectedArc,
+    active: &dyn Fn(ArcId) -> bool,
+) -> Corner {
+    let landmark = arcs[end.arc][usize::from(end.reversed)];
+    let around = rotation(cut, landmark, &|a| a == end.arc || active(a));
+    let at = around.iter().position(|&d| d == end).unwrap_or(0);
+    let before = (1..around.len()).map(|k| around[(at + around.len() - k) % around.len()]);
+    Corner { landmark, after: before.into_iter().find(|d| d.arc != end.arc) }
+}
+
 /// Embeds a path as an arc: splits the edges it crosses and marks the edges it then runs along.
 ///
 /// The path may cross a face several times (it must where a region is one face wide), as long as it does not cross

@@ -40,6 +40,11 @@ pub fn arc_shares(cut: &CutMesh, base: &BaseComplex) -> Result<ArcShares> {
     base.arcs.iter_ids().map(|(arc, ends)| shares_of(cut, &cut.arc_path(arc, ends[0]), arc)).collect()
 }
 
+/// The nearest share that is a multiple of 2^-52.
+pub fn on_grid(share: f64) -> f64 {
+    (share / GRID).round() * GRID
+}
+
 fn shares_of(cut: &CutMesh, path: &[HalfedgeId], arc: ArcId) -> Result<Vec<f64>> {
     let lengths: Vec<f64> = path.iter().map(|&h| cut.length(h)).collect();
     let (total, mean) = (lengths.iter().sum::<f64>(), 1.0 / lengths.len() as f64);
@@ -49,7 +54,7 @@ fn shares_of(cut: &CutMesh, path: &[HalfedgeId], arc: ArcId) -> Result<Vec<f64>>
     let padded: f64 = lengths.iter().map(|&l| floor(l)).sum();
     for &length in &lengths {
         walked += floor(length);
-        shares.push((walked / padded / GRID).round() * GRID);
+        shares.push(on_grid(walked / padded));
     }
     if let Some(last) = shares.last_mut() {
         *last = 1.0;

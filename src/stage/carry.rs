@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
-use crate::path::network::{Corner, connect, embed, rotation};
+use crate::path::network::{Corner, connect, corner_behind, embed};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
 use crate::path::search::Searcher;
@@ -126,11 +126,7 @@ impl Carrier<'_> {
 
     /// The corner on the target where an end of an arc belongs: behind the arc that precedes it on the source.
     fn corner(&self, state: &State, end: DirectedArc) -> Corner {
-        let landmark = self.source.arcs[end.arc][usize::from(end.reversed)];
-        let around = rotation(&self.source.cut, landmark, &|a| a == end.arc || state.placed[a]);
-        let at = around.iter().position(|&d| d == end).unwrap_or(0);
-        let before = (1..around.len()).map(|k| around[(at + around.len() - k) % around.len()]);
-        Corner { landmark, after: before.into_iter().find(|d| d.arc != end.arc) }
+        corner_behind(&self.source.cut, &self.source.arcs, end, &|a| state.placed[a])
     }
 
     fn agrees(&self, state: &State) -> bool {

@@ -12,7 +12,7 @@ use crate::mesh::{ArcId, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
-use crate::path::network::{Corner, connect, embed, rotation};
+use crate::path::network::{connect, corner_behind, embed};
 use crate::path::rebuild::{Upkeep, rebuild};
 use crate::path::region::Regions;
 use crate::path::search::{Anywhere, Searcher, Terminal};
@@ -154,7 +154,8 @@ fn reroute(
     let mut upkeep = Upkeep::default();
     for _ in 0..REROUTE_SWEEPS {
         for arc in arcs.ids() {
-            let corners = [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }));
+            let corners =
+                [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }, &|_| true));
             let before = cut.clone();
             cut.unmark(arc, arcs[arc][0]);
             let path = connect(cut, mesh, &mut searcher, corners)?;
@@ -168,15 +169,6 @@ fn reroute(
         }
     }
     Ok(())
-}
-
-/// The corner that an end of an arc leaves behind when the arc is taken away.
-fn corner_behind(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>, end: DirectedArc) -> Corner {
-    let landmark = arcs[end.arc][usize::from(end.reversed)];
-    let around = rotation(cut, landmark, &|_| true);
-    let at = around.iter().position(|&d| d == end).unwrap_or(0);
-    let before = (1..around.len()).map(|k| around[(at + around.len() - k) % around.len()]);
-    Corner { landmark, after: before.into_iter().find(|d| d.arc != end.arc) }
 }
 
 /// Reads the base complex off a mesh whose regions are all triangles.
