@@ -5,6 +5,7 @@ use homeo::mesh::VertexId;
 use homeo::mesh::io::{Landmarks, MeshFile, parse_mesh, read_landmarks};
 use homeo::{Error, ErrorKind, Result};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Octahedron with its corners at distance `size`: vertices +x, -x, +y, -y, +z, -z, moved by (10, 20, 30), and one more
 /// vertex that no face uses; the first two faces are written as one quad.
@@ -16,8 +17,11 @@ fn octahedron(size: f64) -> MeshFile {
     parse_mesh(Path::new("octahedron.obj"), text.as_bytes()).expect("a valid OBJ")
 }
 
+/// A file in a folder of its own: tests run side by side and may choose the same names.
 fn temporary(name: &str, content: &str) -> PathBuf {
-    let folder = std::env::temp_dir().join(format!("homeo-landmarks-{}", std::process::id()));
+    static FILES: AtomicUsize = AtomicUsize::new(0);
+    let number = FILES.fetch_add(1, Ordering::Relaxed);
+    let folder = std::env::temp_dir().join(format!("homeo-landmarks-{}-{number}", std::process::id()));
     std::fs::create_dir_all(&folder).expect("the temporary folder is writable");
     let path = folder.join(name);
     std::fs::write(&path, content).expect("the temporary folder is writable");
