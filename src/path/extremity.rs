@@ -81,7 +81,7 @@ fn tips(mesh: &TriMesh, landmarks: &[VertexId]) -> Vec<Tip> {
 }
 
 /// Distance of every vertex from a landmark along the face graph, in units of the root of the area.
-fn distances(mesh: &TriMesh, landmark: VertexId, unit: f64) -> IdVec<VertexId, f64> {
+pub(super) fn distances(mesh: &TriMesh, landmark: VertexId, unit: f64) -> IdVec<VertexId, f64> {
     let reached = front(mesh, &[landmark]);
     let at = |v: VertexId| {
         let over = |h| {

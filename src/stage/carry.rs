@@ -13,6 +13,7 @@ use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, corner_behind, embed};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
+use crate::path::rim::rims;
 use crate::path::search::Searcher;
 
 /// An arc longer than this many times its reference is postponed in the first pass (HYPOTHESIS 3.2).
@@ -75,7 +76,8 @@ impl Carrier<'_> {
             upkeep: Upkeep::default(),
             postponed: 0,
         };
-        let mut left = order.to_vec();
+        self.lay_rims(&mut state)?;
+        let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| !state.placed[a]).collect();
         for limit in [SWIRL, SWIRL_LATER] {
             self.sweep(&mut state, &mut left, limit)?;
         }
@@ -87,6 +89,22 @@ impl Carrier<'_> {
             }
         }
         Ok(Carried { cut: state.cut, lengths: state.lengths, postponed: state.postponed })
+    }
+
+    /// Lays the arcs along the boundary, which both meshes number alike.
+    fn lay_rims(&self, state: &mut State) -> Result<()> {
+        for (i, rim) in rims(self.mesh, self.landmarks).iter().enumerate() {
+            let arc = ArcId::new(i);
+            if self.source.arcs.raw.get(i) != Some(&rim.ends) {
+                return Err(Error::bug("the boundary loops carry different base vertices").at(arc));
+            }
+            rim.lay(&mut state.cut, arc);
+            state.lengths[arc] = rim.length(&state.cut);
+            state.placed[arc] = true;
+            let [a, b] = rim.ends.map(|l| root(&state.network, l));
+            state.network[a] = b;
+        }
+        Ok(())
     }
 
     /// Tries every arc once; those that fail stay in `left`.

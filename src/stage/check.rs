@@ -1,13 +1,16 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
+mod counterparts;
+
 use super::load::Loaded;
 use crate::mesh::check::{Report, Warning, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{TriMesh, VertexId};
 use crate::{Error, Result};
+use counterparts::{Partners, components_of, match_components, same_topology};
 use std::path::Path;
 
-/// Fewest landmarks that a base complex on a sphere can be built from.
+/// Fewest landmarks that a base complex on a closed component can be built from; boundary loops bring their own.
 const FEWEST_LANDMARKS: usize = 3;
 
 /// A mesh with its file and what the check said about it.
@@ -42,8 +45,10 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     for (side, mesh, vertices) in [("source", &source, &landmarks.source), ("target", &target, &landmarks.target)] {
         refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks_path))?;
     }
-    same_topology(&source.report, &target.report).map_err(|e| e.file(&target.file.path))?;
-    supported(&source.report, landmarks.names.len()).map_err(|e| e.file(&source.file.path))?;
+    let meshes = [&source, &target];
+    let partners = match_components(meshes, &landmarks).map_err(|e| e.file(&target.file.path))?;
+    same_topology(meshes, &partners, &landmarks).map_err(|e| e.file(&target.file.path))?;
+    supported(meshes, &partners, &landmarks).map_err(|e| e.file(&source.file.path))?;
     let warnings = warnings(&source, &target, &landmarks);
     Ok(Checked { source, target, landmarks, warnings })
 }
@@ -63,40 +68,21 @@ fn refuse_unreferenced(side: &str, mesh: &LoadedMesh, names: &[String], vertices
         .remedy("move it to a vertex of the surface"))
 }
 
-/// Refuses pairs between which there is no homeomorphism.
-fn same_topology(source: &Report, target: &Report) -> Result<()> {
-    let loops = |report: &Report| report.boundary_loops.len() as i64;
-    let genus = |report: &Report| report.genus.unwrap_or_default(); // both are manifolds by now
-    let components = |report: &Report| report.components.len() as i64;
-    let figures = [
-        ("numbers of components", components(source), components(target), "map the components one by one"),
-        ("genus", genus(source), genus(target), "look for unwanted tunnels, for instance where limbs touch"),
-        ("numbers of boundary loops", loops(source), loops(target), "close the extra holes; `homeo check` lists them"),
-    ];
-    match figures.into_iter().find(|(_, s, t, _)| s != t) {
-        Some((what, s, t, remedy)) => {
-            Err(Error::unsolvable(format!("different {what}: {s} in the source, {t} in the target")).remedy(remedy))
+/// What this version maps: components of genus 0, with enough landmarks.
+fn supported(meshes: [&LoadedMesh; 2], partners: &Partners, landmarks: &Landmarks) -> Result<()> {
+    let on = components_of(meshes[0], &landmarks.source);
+    for (c, component) in meshes[0].report.components.iter().enumerate() {
+        if component.genus != Some(0) {
+            let what = format!("the meshes have genus {}", component.genus.unwrap_or_default());
+            return Err(Error::unsolvable(what).remedy("only genus 0 is mapped yet"));
         }
-        None => Ok(()),
-    }
-}
-
-/// What this version maps: closed, connected, genus 0, with enough landmarks.
-fn supported(source: &Report, landmarks: usize) -> Result<()> {
-    if source.components.len() != 1 {
-        let what = format!("the meshes are in pieces (components: {})", source.components.len());
-        return Err(Error::unsolvable(what).remedy("map the components one by one"));
-    }
-    if !source.is_closed() {
-        let what = format!("the meshes are open (boundary loops: {})", source.boundary_loops.len());
-        return Err(Error::unsolvable(what).remedy("open meshes are not mapped yet: fill the holes"));
-    }
-    if source.genus != Some(0) {
-        let what = format!("the meshes have genus {}", source.genus.unwrap_or_default());
-        return Err(Error::unsolvable(what).remedy("only genus 0 is mapped yet"));
-    }
-    if landmarks < FEWEST_LANDMARKS {
-        return Err(Error::unsolvable(format!("{landmarks} landmarks")).remedy("give at least three"));
+        let count = on.iter().filter(|&&d| d == c).count();
+        let needed = if component.boundary_loops > 0 { 1 } else { FEWEST_LANDMARKS };
+        if count < needed {
+            let pieces = if partners.len() > 1 { format!(" on component {c} of the source") } else { String::new() };
+            let remedy = format!("give at least {needed}");
+            return Err(Error::unsolvable(format!("{count} landmarks{pieces}")).remedy(remedy));
+        }
     }
     Ok(())
 }

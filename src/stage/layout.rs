@@ -154,6 +154,9 @@ fn reroute(
     let mut upkeep = Upkeep::default();
     for _ in 0..REROUTE_SWEEPS {
         for arc in arcs.ids() {
+            if cut.is_rim(arc, arcs[arc][0]) {
+                continue;
+            }
             let corners =
                 [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }, &|_| true));
             let before = cut.clone();

@@ -11,6 +11,7 @@ use crate::map::embedding::Embedding;
 use crate::map::purge::purge;
 use crate::map::recut::{Pair, recut};
 use crate::mesh::{ArcId, Id, IdVec, PatchId, TriMesh, VertexId};
+use crate::path::base_complex::NO_PATCH;
 use crate::plane::convex::is_embedded;
 use crate::plane::diagonal::{Segment, read_segment};
 use crate::plane::domain::{Domain, Placement};
@@ -198,13 +199,13 @@ fn smooth(moving: &mut Domain, fixed: &Domain, options: &RelaxOptions) {
     }
 }
 
-/// Groups of arcs whose domains share no patch; arcs with one patch on both sides are left out.
+/// Groups of arcs whose domains share no patch; arcs on the boundary and with one patch on both sides are left out.
 fn independent_arcs(embedding: &Embedding) -> Vec<Vec<Pair>> {
     let side_of = embedding.base.side_of();
     let mut groups: Vec<(IdVec<PatchId, bool>, Vec<Pair>)> = Vec::new();
     for arc in embedding.base.arcs.ids() {
         let [(p, i), (q, j)] = [side_of[2 * arc.index()], side_of[2 * arc.index() + 1]];
-        if p == q {
+        if p == q || [p, q].contains(&NO_PATCH) {
             continue;
         }
         let pair = pair_of(embedding, arc, [(p, i), (q, j)]);

@@ -13,11 +13,14 @@ use crate::path::cut_mesh::CutMesh;
 use crate::path::network::{Corner, connect, embed};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
+use crate::path::rim::rims;
 use crate::path::search::{Passage, Path, Searcher, Terminal};
 
 /// How an arc came about; decides when it is carried over to the target (VORONOI, procedure 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
+    /// Along a boundary loop; given, not traced, and first in number.
+    Rim,
     /// Through a cut between two clusters.
     Cut,
     /// Joins parts of a region that is not a disc, or halves a region with more than three sides.
@@ -51,6 +54,7 @@ pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_n
             lengths: IdVec::default(),
         },
     };
+    tracer.lay_rims(landmarks);
     tracer.link_through_cuts(clusters)?;
     while tracer.split_one_region()? {}
     Ok(tracer.traced)
@@ -89,6 +93,16 @@ impl Tracer<'_> {
             self.traced.cut = before;
         }
         Ok(())
+    }
+
+    /// Lays the arcs along the boundary.
+    fn lay_rims(&mut self, landmarks: &[VertexId]) {
+        for rim in rims(self.mesh, landmarks) {
+            let arc = self.traced.arcs.push(rim.ends);
+            self.traced.links.push(Link::Rim);
+            self.traced.lengths.push(rim.length(&self.traced.cut));
+            rim.lay(&mut self.traced.cut, arc);
+        }
     }
 
     /// One arc through every cut, the nearest cuts first.
