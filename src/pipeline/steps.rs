@@ -166,8 +166,8 @@ pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> 
     stage::write::write(&product, out, || step.seconds())
 }
 
-fn side<'a>(LoadedMesh { file, mesh, .. }: &'a LoadedMesh, composed: &'a Composed, k: usize) -> Side<'a> {
-    Side { file, mesh, arcs: &composed.arcs[k], image: &composed.maps[k].images }
+fn side<'a>(LoadedMesh { file, mesh, omitted, .. }: &'a LoadedMesh, composed: &'a Composed, k: usize) -> Side<'a> {
+    Side { file, mesh, omitted, arcs: &composed.arcs[k], image: &composed.maps[k].images }
 }
 
 /// The device in the report; without the number of threads, on which no result depends.

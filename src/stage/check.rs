@@ -1,14 +1,19 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
 mod counterparts;
+mod trim;
 
 use super::load::Loaded;
 use crate::mesh::check::{Report, Warning, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
-use crate::mesh::{TriMesh, VertexId};
+use crate::mesh::{FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
 use counterparts::{Partners, components_of, match_components, same_topology};
 use std::path::Path;
+use trim::trim;
+
+/// What the two meshes are called in messages.
+const SIDES: [&str; 2] = ["source", "target"];
 
 /// Fewest landmarks that a base complex on a closed component can be built from; boundary loops bring their own.
 const FEWEST_LANDMARKS: usize = 3;
@@ -18,8 +23,11 @@ const FEWEST_LANDMARKS: usize = 3;
 pub struct LoadedMesh {
     /// The file's content.
     pub file: MeshFile,
-    /// The manifold; vertices are the file's, triangles those of [`MeshFile::triangles`] with repairs as reported.
+    /// The manifold; vertices are the file's, triangles those of [`MeshFile::triangles`] with repairs as reported, and
+    /// without those left out.
     pub mesh: TriMesh,
+    /// The file's triangles that are left out of the map, in order.
+    pub omitted: Vec<FaceId>,
     /// What the check said.
     pub report: Report,
 }
@@ -41,15 +49,17 @@ pub struct Checked {
 pub fn check(loaded: Loaded) -> Result<Checked> {
     let Loaded { source, target, landmarks, landmarks_path } = loaded;
     let (source, target) = rayon::join(|| inspect(source), || inspect(target));
-    let (source, target) = (source?, target?);
+    let (mut source, mut target) = (source?, target?);
     for (side, mesh, vertices) in [("source", &source, &landmarks.source), ("target", &target, &landmarks.target)] {
         refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks_path))?;
     }
     let meshes = [&source, &target];
     let partners = match_components(meshes, &landmarks).map_err(|e| e.file(&target.file.path))?;
-    same_topology(meshes, &partners, &landmarks).map_err(|e| e.file(&target.file.path))?;
     supported(meshes, &partners, &landmarks).map_err(|e| e.file(&source.file.path))?;
-    let warnings = warnings(&source, &target, &landmarks);
+    let trimmed = trim([&mut source, &mut target], &landmarks);
+    same_topology([&source, &target], &partners, &landmarks).map_err(|e| e.file(&target.file.path))?;
+    let mut warnings = warnings(&source, &target, &landmarks);
+    warnings.extend(trimmed);
     Ok(Checked { source, target, landmarks, warnings })
 }
 
@@ -57,7 +67,7 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
 pub fn inspect(file: MeshFile) -> Result<LoadedMesh> {
     let mut report = check_mesh(&file.positions, &file.triangles());
     let mesh = report.take_mesh().map_err(|e| e.file(&file.path))?;
-    Ok(LoadedMesh { file, mesh, report })
+    Ok(LoadedMesh { file, mesh, omitted: Vec::new(), report })
 }
 
 fn refuse_unreferenced(side: &str, mesh: &LoadedMesh, names: &[String], vertices: &[VertexId]) -> Result<()> {

@@ -1,14 +1,12 @@
 //! What two meshes must have in common, component by component and loop by loop.
 
-use super::LoadedMesh;
+use super::{LoadedMesh, SIDES};
 use crate::mesh::check::Component;
 use crate::mesh::io::Landmarks;
 use crate::mesh::{Id, LandmarkId, VertexId, face_of};
 use crate::path::loop_pairs::{Mismatch, pair_by_base_vertices};
 use crate::path::rim::boundary_loops;
 use crate::{Error, Result};
-
-const SIDES: [&str; 2] = ["source", "target"];
 
 /// The component of the target for every component of the source.
 pub type Partners = Vec<usize>;
