@@ -1,8 +1,8 @@
 //! `homeo`: certified bijective, low-distortion maps between triangle meshes.
 //!
-//! A job is two meshes of the same genus, with as many boundary loops, and corresponding landmarks. Its product is a [`map`] that gives every
-//! point of either mesh one point of the other, proved to be a bijection, and what follows from it: compatible meshes,
-//! tables of corresponding points, geometry images over a common atlas.
+//! A job is two meshes of the same genus, with as many boundary loops, and corresponding landmarks. Its product is a
+//! [`map`] that gives every point of either mesh one point of the other, proved to be a bijection, and what follows from
+//! it: compatible meshes, tables of corresponding points, geometry images over a common atlas.
 //!
 //! # The main job
 //!
