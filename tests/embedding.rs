@@ -18,7 +18,7 @@ use homeo::plane::progressive::embed_progressively;
 use homeo::plane::stretch::{Frame, e_l2, patch_stretch};
 use homeo::shape::fixture;
 use homeo::shape::random_landmarks;
-use homeo::stage::layout::base_complex;
+use homeo::path::region::base_complex;
 
 fn pair(seed: u64, n: usize) -> Pair {
     let [a, b] = [mesh::sphere(11, 20), mesh::crumpled(200, seed)];

@@ -2,11 +2,15 @@
 
 pub mod base_complex;
 pub mod cluster;
+pub mod curve;
 pub mod cut_mesh;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;
+pub mod handle;
 pub mod network;
 pub mod rebuild;
 pub mod region;
 pub mod search;
+pub mod side;
+pub mod subcomplex;

@@ -7,9 +7,6 @@ use crate::mesh::{TriMesh, VertexId};
 use crate::{Error, Result};
 use std::path::Path;
 
-/// Fewest landmarks that a base complex on a sphere can be built from.
-const FEWEST_LANDMARKS: usize = 3;
-
 /// A mesh with its file and what the check said about it.
 #[derive(Clone, Debug)]
 pub struct LoadedMesh {
@@ -81,7 +78,7 @@ fn same_topology(source: &Report, target: &Report) -> Result<()> {
     }
 }
 
-/// What this version maps: closed, connected, genus 0, with enough landmarks.
+/// What this version maps: closed, connected, with landmarks.
 fn supported(source: &Report, landmarks: usize) -> Result<()> {
     if source.components.len() != 1 {
         let what = format!("the meshes are in pieces (components: {})", source.components.len());
@@ -91,12 +88,9 @@ fn supported(source: &Report, landmarks: usize) -> Result<()> {
         let what = format!("the meshes are open (boundary loops: {})", source.boundary_loops.len());
         return Err(Error::unsolvable(what).remedy("open meshes are not mapped yet: fill the holes"));
     }
-    if source.genus != Some(0) {
-        let what = format!("the meshes have genus {}", source.genus.unwrap_or_default());
-        return Err(Error::unsolvable(what).remedy("only genus 0 is mapped yet"));
-    }
-    if landmarks < FEWEST_LANDMARKS {
-        return Err(Error::unsolvable(format!("{landmarks} landmarks")).remedy("give at least three"));
+    if landmarks == 0 {
+        let what = "there are no landmarks: nothing tells which of the infinitely many maps is meant";
+        return Err(Error::unsolvable(what).remedy("give at least one, better three or more"));
     }
     Ok(())
 }

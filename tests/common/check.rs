@@ -89,8 +89,9 @@ pub fn arcs(cut: &CutMesh, base: &BaseComplex) {
 /// Euler's counts, the same rotation system on both meshes, arcs that do not cross, and nothing but the arcs changed.
 pub fn layout(layout: &Layout, meshes: &[TriMesh; 2]) {
     let base = &layout.base;
-    assert_eq!(base.arcs.len(), 3 * (base.landmarks - 2), "arcs");
-    assert_eq!(base.patches.len(), 2 * (base.landmarks - 2), "patches");
+    let euler = meshes[0].conn.euler_characteristic();
+    assert_eq!(base.arcs.len() as i64, 3 * (base.landmarks as i64 - euler), "arcs");
+    assert_eq!(base.patches.len() as i64, 2 * (base.landmarks as i64 - euler), "patches");
     for (cut, mesh) in layout.cuts.iter().zip(meshes) {
         cut_mesh(cut, mesh);
         arcs(cut, base);
