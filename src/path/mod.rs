@@ -2,10 +2,12 @@
 
 pub mod base_complex;
 pub mod cluster;
+pub mod curve;
 pub mod cut_mesh;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;
+pub mod handle;
 pub mod loop_anchor;
 pub mod loop_pairs;
 pub mod network;
@@ -13,3 +15,5 @@ pub mod rebuild;
 pub mod region;
 pub mod rim;
 pub mod search;
+pub mod side;
+pub mod subcomplex;

@@ -8,15 +8,12 @@ use crate::mesh::check::{Report, Warning, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
-use counterparts::{Partners, components_of, match_components, same_topology};
+use counterparts::{match_components, same_topology};
 use std::path::Path;
 use trim::trim;
 
 /// What the two meshes are called in messages.
 const SIDES: [&str; 2] = ["source", "target"];
-
-/// Fewest landmarks that a base complex on a closed component can be built from; boundary loops bring their own.
-const FEWEST_LANDMARKS: usize = 3;
 
 /// A mesh with its file and what the check said about it.
 #[derive(Clone, Debug)]
@@ -55,7 +52,6 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     }
     let meshes = [&source, &target];
     let partners = match_components(meshes, &landmarks).map_err(|e| e.file(&target.file.path))?;
-    supported(meshes, &partners, &landmarks).map_err(|e| e.file(&source.file.path))?;
     let trimmed = trim([&mut source, &mut target], &landmarks);
     same_topology([&source, &target], &partners, &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
@@ -76,25 +72,6 @@ fn refuse_unreferenced(side: &str, mesh: &LoadedMesh, names: &[String], vertices
     Err(Error::input(format!("landmark \"{}\" sits on {side} {}, which no face uses", names[i], vertices[i]))
         .at(format_args!("landmark {i}"))
         .remedy("move it to a vertex of the surface"))
-}
-
-/// What this version maps: components of genus 0, with enough landmarks.
-fn supported(meshes: [&LoadedMesh; 2], partners: &Partners, landmarks: &Landmarks) -> Result<()> {
-    let on = components_of(meshes[0], &landmarks.source);
-    for (c, component) in meshes[0].report.components.iter().enumerate() {
-        if component.genus != Some(0) {
-            let what = format!("the meshes have genus {}", component.genus.unwrap_or_default());
-            return Err(Error::unsolvable(what).remedy("only genus 0 is mapped yet"));
-        }
-        let count = on.iter().filter(|&&d| d == c).count();
-        let needed = if component.boundary_loops > 0 { 1 } else { FEWEST_LANDMARKS };
-        if count < needed {
-            let pieces = if partners.len() > 1 { format!(" on component {c} of the source") } else { String::new() };
-            let remedy = format!("give at least {needed}");
-            return Err(Error::unsolvable(format!("{count} landmarks{pieces}")).remedy(remedy));
-        }
-    }
-    Ok(())
 }
 
 fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> Vec<String> {

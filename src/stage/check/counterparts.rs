@@ -13,6 +13,10 @@ pub type Partners = Vec<usize>;
 
 /// Matches the components through the landmarks they carry.
 pub fn match_components(meshes: [&LoadedMesh; 2], landmarks: &Landmarks) -> Result<Partners> {
+    if landmarks.names.is_empty() {
+        let what = "there are no landmarks: nothing tells which of the infinitely many maps is meant";
+        return Err(Error::unsolvable(what).remedy("give at least one, better three or more"));
+    }
     let counts = meshes.map(|m| m.report.components.len());
     if counts[0] != counts[1] {
         return Err(different("numbers of components", counts, "delete the pieces without a counterpart"));
@@ -43,7 +47,7 @@ pub fn match_components(meshes: [&LoadedMesh; 2], landmarks: &Landmarks) -> Resu
 }
 
 /// The component of every landmark.
-pub fn components_of(mesh: &LoadedMesh, vertices: &[VertexId]) -> Vec<usize> {
+fn components_of(mesh: &LoadedMesh, vertices: &[VertexId]) -> Vec<usize> {
     let label = mesh.mesh.conn.components();
     // Landmarks on unreferenced vertices are refused before.
     vertices.iter().map(|&v| mesh.mesh.conn.leaving(v).map_or(0, |h| label[face_of(h)] as usize)).collect()
