@@ -9,7 +9,7 @@ use homeo::ErrorKind;
 use homeo::map::surface_map::SurfaceMap;
 use homeo::mesh::{HalfedgeId, Id, SurfacePoint, TriMesh, VertexId};
 use homeo::path::rim::rims;
-use homeo::shape::fixture::{annulus, disc, icosphere, sphere_with_holes};
+use homeo::shape::fixture::{annulus, disc, icosphere, sphere_with_holes, torus};
 use homeo::shape::random_landmarks;
 use homeo::stage::cluster::cluster;
 use homeo::stage::compose::{Composed, compose};
@@ -176,6 +176,21 @@ fn spheres_with_one_to_three_holes_without_landmarks_on_them() {
             );
         }
     }
+}
+
+#[test]
+fn a_torus_with_a_hole() {
+    let punctured = |n: u32, m: u32| {
+        let torus = torus(n, m);
+        let kept: Vec<_> = torus.faces().into_iter().filter(|t| !t.contains(&VertexId(0))).collect();
+        let faces: Vec<_> = kept.into_iter().map(|t| t.map(|v| v.index() - 1)).collect();
+        mesh(torus.positions.raw[1..].to_vec(), &faces)
+    };
+    let at = |m: u32, i: u32, j: u32| VertexId(i * m + j - 1);
+    let landmarks = [[1, 0], [5, 2], [9, 4], [3, 6]];
+    let source = landmarks.map(|[i, j]| at(8, i, j)).to_vec();
+    let target = landmarks.map(|[i, j]| at(10, i, j + j / 4)).to_vec();
+    map([punctured(12, 8), bent(punctured(12, 10))], [source, target]);
 }
 
 #[test]
