@@ -6,6 +6,7 @@ pub mod cut_mesh;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;
+pub mod handedness;
 pub mod network;
 pub mod rebuild;
 pub mod region;

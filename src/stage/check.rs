@@ -1,10 +1,13 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
+mod mirrored;
+
 use super::load::Loaded;
-use crate::mesh::check::{Report, Warning, check as check_mesh};
+use crate::mesh::check::{Report, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{TriMesh, VertexId};
 use crate::{Error, Result};
+use mirrored::refuse_mirrored;
 use std::path::Path;
 
 /// Fewest landmarks that a base complex on a sphere can be built from.
@@ -34,17 +37,18 @@ pub struct Checked {
     pub warnings: Vec<String>,
 }
 
-/// Checks both meshes, then what they must have in common.
+/// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
+/// reported.
 pub fn check(loaded: Loaded) -> Result<Checked> {
-    let Loaded { source, target, landmarks, landmarks_path } = loaded;
+    let Loaded { source, target, landmarks } = loaded;
     let (source, target) = rayon::join(|| inspect(source), || inspect(target));
     let (source, target) = (source?, target?);
-    for (side, mesh, vertices) in [("source", &source, &landmarks.source), ("target", &target, &landmarks.target)] {
-        refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks_path))?;
-    }
     same_topology(&source.report, &target.report).map_err(|e| e.file(&target.file.path))?;
+    let landmarks = landmarks?;
+    let doubt = check_landmarks([&source.mesh, &target.mesh], &landmarks)?;
     supported(&source.report, landmarks.names.len()).map_err(|e| e.file(&source.file.path))?;
-    let warnings = warnings(&source, &target, &landmarks);
+    let mut warnings = warnings(&source, &target, &landmarks);
+    warnings.extend(doubt);
     Ok(Checked { source, target, landmarks, warnings })
 }
 
@@ -55,8 +59,17 @@ pub fn inspect(file: MeshFile) -> Result<LoadedMesh> {
     Ok(LoadedMesh { file, mesh, report })
 }
 
-fn refuse_unreferenced(side: &str, mesh: &LoadedMesh, names: &[String], vertices: &[VertexId]) -> Result<()> {
-    let unused = |v: &VertexId| mesh.mesh.conn.leaving(*v).is_none();
+/// Refuses landmarks on vertices that no face uses and landmarks that ask for a mirrored map; returns a warning if they
+/// might.
+pub fn check_landmarks(meshes: [&TriMesh; 2], landmarks: &Landmarks) -> Result<Option<String>> {
+    for (side, mesh, vertices) in [("source", meshes[0], &landmarks.source), ("target", meshes[1], &landmarks.target)] {
+        refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks.path))?;
+    }
+    refuse_mirrored(meshes, landmarks)
+}
+
+fn refuse_unreferenced(side: &str, mesh: &TriMesh, names: &[String], vertices: &[VertexId]) -> Result<()> {
+    let unused = |v: &VertexId| mesh.conn.leaving(*v).is_none();
     let Some(i) = vertices.iter().position(unused) else { return Ok(()) };
     Err(Error::input(format!("landmark \"{}\" sits on {side} {}, which no face uses", names[i], vertices[i]))
         .at(format_args!("landmark {i}"))
@@ -108,15 +121,8 @@ fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> 
         let notes = one.file.warnings.iter().cloned().chain(one.report.notes());
         warnings.extend(notes.map(|note| format!("{name}: {note}")));
     }
-    if is_inside_out(&source.report) != is_inside_out(&target.report) {
-        warnings.push("one mesh is inside out and the other is not: the map mirrors the shape".to_owned());
-    }
     warnings.extend(landmarks.notes.iter().cloned());
     warnings
-}
-
-fn is_inside_out(report: &Report) -> bool {
-    report.warnings.iter().any(|w| matches!(w, Warning::InsideOut { .. }))
 }
 
 fn file_name(path: &Path) -> String {

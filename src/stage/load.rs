@@ -24,16 +24,15 @@ pub struct Loaded {
     pub source: MeshFile,
     /// The target mesh.
     pub target: MeshFile,
-    /// The landmarks, all of them vertices of the meshes.
-    pub landmarks: Landmarks,
-    /// Where the landmarks come from, for messages.
-    pub landmarks_path: PathBuf,
+    /// The landmarks, all of them vertices of the meshes; or why they are none. A fault of the meshes counts for more,
+    /// so the check stage has the last word.
+    pub landmarks: Result<Landmarks>,
 }
 
-/// Reads a pair. If both meshes are unreadable, the error is the source's.
+/// Reads a pair; fails if a mesh is unreadable. If both are, the error is the source's.
 pub fn load(options: LoadOptions) -> Result<Loaded> {
     let (source, target) = rayon::join(|| read_mesh(&options.source), || read_mesh(&options.target));
     let (source, target) = (source?, target?);
-    let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target)?;
-    Ok(Loaded { source, target, landmarks, landmarks_path: options.landmarks })
+    let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target);
+    Ok(Loaded { source, target, landmarks })
 }
