@@ -31,16 +31,17 @@ pub fn run_maps(
     });
 }
 
-/// Maps pairs that are in memory: the same stages without files and images.
+/// Maps pairs that are in memory, by the same stages but without files and images; asks for the next pair only when
+/// there is room.
 pub fn map_pairs(
-    pairs: Vec<Loaded>,
+    pairs: impl Iterator<Item = Loaded> + Send,
     options: &MapOptions,
     device: &Device,
     observer: &dyn Observer,
     mut take: impl FnMut(Outcome<Mapped>),
 ) {
     thread::scope(|scope| {
-        let loaded = Line::start(scope, observer, pairs.into_iter().map(|pair| (PathBuf::new(), pair)));
+        let loaded = Line::start(scope, observer, pairs.map(|pair| (PathBuf::new(), pair)));
         checked_to_composed(loaded, options, &device.compute).finish(|Outcome { id, value, seconds }| {
             take(Outcome { id, value: value.map(steps::mapped), seconds });
         });
