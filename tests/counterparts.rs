@@ -6,28 +6,15 @@ use homeo::shape::fixture::{annulus, disc, plane, two_spheres};
 use homeo::stage::check::{Checked, check};
 use homeo::stage::load::Loaded;
 use homeo::{Error, ErrorKind, Result};
-use std::path::PathBuf;
-
-fn file(name: &str, mesh: &TriMesh) -> MeshFile {
-    let corners: Vec<VertexId> = mesh.faces().into_iter().flatten().collect();
-    MeshFile {
-        path: PathBuf::from(name),
-        positions: mesh.positions.raw.clone(),
-        offsets: (0..=corners.len() as u32).step_by(3).collect(),
-        corners,
-        ..MeshFile::default()
-    }
-}
 
 /// Checks a pair whose landmarks are named a, b, c, ...
 fn checked(source: &TriMesh, target: &TriMesh, landmarks: &[[usize; 2]]) -> Result<Checked> {
     let names = ('a'..).take(landmarks.len()).map(String::from).collect();
     let [on_source, on_target] = [0, 1].map(|k| landmarks.iter().map(|pair| VertexId::new(pair[k])).collect());
     check(Loaded {
-        source: file("source.obj", source),
-        target: file("target.obj", target),
-        landmarks: Landmarks { names, source: on_source, target: on_target, notes: Vec::new() },
-        landmarks_path: PathBuf::from("landmarks.csv"),
+        source: MeshFile::of(source),
+        target: MeshFile::of(target),
+        landmarks: Ok(Landmarks { names, source: on_source, target: on_target, ..Landmarks::default() }),
     })
 }
 

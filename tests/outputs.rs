@@ -294,6 +294,7 @@ impl Identity {
             arcs: edges.iter().map(|h| ends(h).map(SurfacePoint::Vertex).to_vec()).collect(),
             image: vertices.iter().map(|&v| Some(SurfacePoint::Vertex(v))).collect(),
             landmarks: Landmarks {
+                path: PathBuf::from("landmarks.csv"),
                 names: ["a", "b", "c", "d"].map(String::from).to_vec(),
                 source: vertices.clone(),
                 target: vertices,

@@ -7,6 +7,7 @@ pub mod cut_mesh;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;
+pub mod handedness;
 pub mod handle;
 pub mod loop_anchor;
 pub mod loop_pairs;

@@ -42,11 +42,24 @@ pub struct Finished {
     images: Option<GeometryImages>,
 }
 
+/// A certified map with what it was made from.
+#[derive(Debug)]
+pub struct Mapped {
+    /// The meshes, landmarks and warnings about them.
+    pub checked: Checked,
+    /// Both maps, their embedding and the certificate.
+    pub composed: Composed,
+    /// The layout in numbers.
+    pub layout: LayoutSummary,
+    /// What the relaxation did.
+    pub relaxation: RelaxationSummary,
+}
+
 pub fn load(job: MapJob, step: &Step) -> Result<(PathBuf, Loaded)> {
     let MapJob { source, target, landmarks, target_landmarks, out } = job;
     let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks })?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
-    let landmarks = loaded.landmarks.names.len();
+    let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
     step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
     Ok((out, loaded))
 }
@@ -139,6 +152,12 @@ pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
         step.detail("certified");
         Ok(Finished { summary, relaxation, composed, notes, images: None })
     })
+}
+
+pub fn mapped(pair: Pair<Finished>) -> Mapped {
+    let Pair { mut checked, made: Finished { summary, relaxation, composed, notes, .. }, .. } = pair;
+    checked.warnings.extend(notes);
+    Mapped { checked, composed, layout: summary, relaxation }
 }
 
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, step: &Step) -> Result<Pair<Finished>> {

@@ -1,14 +1,16 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
 mod counterparts;
+mod mirrored;
 mod trim;
 
 use super::load::Loaded;
-use crate::mesh::check::{Report, Warning, check as check_mesh};
+use crate::mesh::check::{Report, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
-use counterparts::{match_components, same_topology};
+use counterparts::{match_components, same_loops, same_numbers};
+use mirrored::refuse_mirrored;
 use std::path::Path;
 use trim::trim;
 
@@ -42,20 +44,20 @@ pub struct Checked {
     pub warnings: Vec<String>,
 }
 
-/// Checks both meshes, then what they must have in common.
+/// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
+/// reported.
 pub fn check(loaded: Loaded) -> Result<Checked> {
-    let Loaded { source, target, landmarks, landmarks_path } = loaded;
+    let Loaded { source, target, landmarks } = loaded;
     let (source, target) = rayon::join(|| inspect(source), || inspect(target));
     let (mut source, mut target) = (source?, target?);
-    for (side, mesh, vertices) in [("source", &source, &landmarks.source), ("target", &target, &landmarks.target)] {
-        refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks_path))?;
-    }
-    let meshes = [&source, &target];
-    let partners = match_components(meshes, &landmarks).map_err(|e| e.file(&target.file.path))?;
+    same_numbers([&source.report, &target.report]).map_err(|e| e.file(&target.file.path))?;
+    let landmarks = landmarks?;
+    let doubt = check_landmarks([&source.mesh, &target.mesh], &landmarks)?;
+    match_components([&source, &target], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let trimmed = trim([&mut source, &mut target], &landmarks);
-    same_topology([&source, &target], &partners, &landmarks).map_err(|e| e.file(&target.file.path))?;
+    same_loops([&source.mesh, &target.mesh], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
-    warnings.extend(trimmed);
+    warnings.extend(trimmed.into_iter().chain(doubt));
     Ok(Checked { source, target, landmarks, warnings })
 }
 
@@ -66,8 +68,17 @@ pub fn inspect(file: MeshFile) -> Result<LoadedMesh> {
     Ok(LoadedMesh { file, mesh, omitted: Vec::new(), report })
 }
 
-fn refuse_unreferenced(side: &str, mesh: &LoadedMesh, names: &[String], vertices: &[VertexId]) -> Result<()> {
-    let unused = |v: &VertexId| mesh.mesh.conn.leaving(*v).is_none();
+/// Refuses landmarks on vertices that no face uses and landmarks that ask for a mirrored map; returns a warning if they
+/// might.
+pub fn check_landmarks(meshes: [&TriMesh; 2], landmarks: &Landmarks) -> Result<Option<String>> {
+    for (side, mesh, vertices) in [("source", meshes[0], &landmarks.source), ("target", meshes[1], &landmarks.target)] {
+        refuse_unreferenced(side, mesh, &landmarks.names, vertices).map_err(|e| e.file(&landmarks.path))?;
+    }
+    refuse_mirrored(meshes, landmarks)
+}
+
+fn refuse_unreferenced(side: &str, mesh: &TriMesh, names: &[String], vertices: &[VertexId]) -> Result<()> {
+    let unused = |v: &VertexId| mesh.conn.leaving(*v).is_none();
     let Some(i) = vertices.iter().position(unused) else { return Ok(()) };
     Err(Error::input(format!("landmark \"{}\" sits on {side} {}, which no face uses", names[i], vertices[i]))
         .at(format_args!("landmark {i}"))
@@ -81,15 +92,8 @@ fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> 
         let notes = one.file.warnings.iter().cloned().chain(one.report.notes());
         warnings.extend(notes.map(|note| format!("{name}: {note}")));
     }
-    if is_inside_out(&source.report) != is_inside_out(&target.report) {
-        warnings.push("one mesh is inside out and the other is not: the map mirrors the shape".to_owned());
-    }
     warnings.extend(landmarks.notes.iter().cloned());
     warnings
-}
-
-fn is_inside_out(report: &Report) -> bool {
-    report.warnings.iter().any(|w| matches!(w, Warning::InsideOut { .. }))
 }
 
 fn file_name(path: &Path) -> String {

@@ -38,7 +38,7 @@ fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> R
     let positions = side.image_positions(other);
     let triangles = other.file.triangles();
     let onto = Onto { mesh: other.mesh, triangles: &triangles, omitted: other.omitted };
-    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, side.file, &positions.raw))?;
+    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, folder.place(), side.file, &positions.raw))?;
     folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, onto))
 }
 

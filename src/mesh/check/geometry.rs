@@ -9,8 +9,12 @@ use rayon::prelude::*;
 /// decimal text leave collinear corners about 1e-16 off; far larger values would name thin but usable faces.
 const NO_AREA: f64 = 1e-12;
 
-/// Fills in everything that needs a manifold.
-pub fn measure(mesh: &TriMesh, report: &mut Report) {
+/// A closed component is inside out if its volume is below minus this share of what a surface of its area could hold;
+/// flat ones have a volume of either sign by rounding.
+const INSIDE_OUT: f64 = 1e-9;
+
+/// Fills in everything that needs a manifold; returns the faces of components that are inside out.
+pub fn measure(mesh: &TriMesh, report: &mut Report) -> Vec<FaceId> {
     let label = mesh.conn.components();
     report.components = components(mesh, &label);
     report.boundary_loops = boundary_loops(mesh, &label);
@@ -25,11 +29,10 @@ pub fn measure(mesh: &TriMesh, report: &mut Report) {
         }
     }
     report.genus = report.components.iter().map(|c| c.genus).sum();
-    let inside_out = |(component, c): (usize, &Component)| {
-        let volume = c.volume.filter(|&v| v < 0.0)?;
-        Some(Warning::InsideOut { component, volume })
-    };
-    report.warnings.extend(report.components.iter().enumerate().filter_map(inside_out));
+    let negative = |c: &Component| c.volume.filter(|&v| v < -INSIDE_OUT * c.area.powf(1.5));
+    let warning = |(component, c)| Some(Warning::InsideOut { component, volume: negative(c)? });
+    report.warnings.extend(report.components.iter().enumerate().filter_map(warning));
+    label.iter_ids().filter(|&(_, &c)| negative(&report.components[c as usize]).is_some()).map(|(f, _)| f).collect()
 }
 
 fn components(mesh: &TriMesh, label: &IdVec<FaceId, u32>) -> Vec<Component> {

@@ -88,7 +88,7 @@ pub enum Warning {
         /// The first such pair.
         first: [VertexId; 2],
     },
-    /// A closed component whose faces look inwards.
+    /// A closed component whose faces look inwards; they are turned over.
     InsideOut {
         /// The component.
         component: usize,
@@ -166,7 +166,7 @@ pub struct Report {
     pub genus: Option<i64>,
     /// Faces that had to be turned over to agree with their neighbours: corners 1 and 2 swapped.
     pub flipped: Vec<FaceId>,
-    /// The repaired mesh, if there is no fault and nobody took it.
+    /// The repaired mesh, with faces turned to agree and to look outwards, if there is no fault and nobody took it.
     #[serde(skip)]
     pub(super) mesh: Option<TriMesh>,
 }
@@ -184,6 +184,11 @@ impl Report {
         };
         Err(Error::input(format!("not an orientable manifold: {}{more}", named.join("; ")))
             .remedy("repair the mesh; `homeo check` lists all faults"))
+    }
+
+    /// The repaired mesh, unless there is a fault or somebody took it.
+    pub fn mesh(&self) -> Option<&TriMesh> {
+        self.mesh.as_ref()
     }
 
     /// True if there is no boundary (and no fault).
@@ -238,7 +243,7 @@ impl fmt::Display for Warning {
                 write!(f, "{count} at the position of another, first {b} at that of {a}")
             }
             Warning::InsideOut { component, volume } => {
-                write!(f, "component {component} is inside out (volume {volume:.6})")
+                write!(f, "component {component} is inside out (volume {volume:.6}): its faces are turned over")
             }
         }
     }

@@ -4,6 +4,7 @@
 //! has the vertices of the file in their order. The format is chosen by extension, then by content.
 
 pub mod landmarks;
+mod library_path;
 pub mod materials;
 pub mod mesh_file;
 mod obj;

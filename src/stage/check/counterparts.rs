@@ -1,30 +1,34 @@
 //! What two meshes must have in common, component by component and loop by loop.
 
 use super::{LoadedMesh, SIDES};
-use crate::mesh::check::Component;
+use crate::mesh::check::Report;
 use crate::mesh::io::Landmarks;
-use crate::mesh::{Id, LandmarkId, VertexId, face_of};
+use crate::mesh::{Id, LandmarkId, TriMesh, VertexId, face_of};
 use crate::path::loop_pairs::{Mismatch, pair_by_base_vertices};
 use crate::path::rim::boundary_loops;
 use crate::{Error, Result};
+use std::fmt::Display;
 
-/// The component of the target for every component of the source.
-pub type Partners = Vec<usize>;
+/// Refuses meshes between which there is no homeomorphism, whatever the landmarks.
+pub fn same_numbers(reports: [&Report; 2]) -> Result<()> {
+    let components = reports.map(|r| r.components.len());
+    if components[0] != components[1] {
+        return Err(different("numbers of components", components, "delete the pieces without a counterpart"));
+    }
+    let genus = reports.map(|r| r.genus.unwrap_or_default()); // both are manifolds by now
+    same_kind(genus, reports.map(|r| r.boundary_loops.len()))
+}
 
-/// Matches the components through the landmarks they carry.
-pub fn match_components(meshes: [&LoadedMesh; 2], landmarks: &Landmarks) -> Result<Partners> {
+/// Refuses components that do not correspond through the landmarks they carry, or are of different kind.
+pub fn match_components(meshes: [&LoadedMesh; 2], landmarks: &Landmarks) -> Result<()> {
     if landmarks.names.is_empty() {
         let what = "there are no landmarks: nothing tells which of the infinitely many maps is meant";
         return Err(Error::unsolvable(what).remedy("give at least one, better three or more"));
     }
-    let counts = meshes.map(|m| m.report.components.len());
-    if counts[0] != counts[1] {
-        return Err(different("numbers of components", counts, "delete the pieces without a counterpart"));
-    }
+    let count = meshes[0].report.components.len();
     let at = [(meshes[0], &landmarks.source), (meshes[1], &landmarks.target)].map(|(m, v)| components_of(m, v));
     for side in 0..2 {
-        let bare = (0..counts[side]).find(|c| counts[side] > 1 && !at[side].contains(c));
-        if let Some(c) = bare {
+        if let Some(c) = (0..count).find(|c| !at[side].contains(c)) {
             let component = &meshes[side].report.components[c];
             let what = format!("component {c} of the {} has no landmark", SIDES[side]);
             return Err(Error::unsolvable(what)
@@ -42,8 +46,12 @@ pub fn match_components(meshes: [&LoadedMesh; 2], landmarks: &Landmarks) -> Resu
             return Err(Error::unsolvable(what).remedy("move one of them"));
         }
     }
-    let partner = |c: usize| at[0].iter().position(|&d| d == c).map_or(0, |i| at[1][i]);
-    Ok((0..counts[0]).map(partner).collect())
+    for (&c, &d) in at[0].iter().zip(&at[1]) {
+        let pair = [&meshes[0].report.components[c], &meshes[1].report.components[d]];
+        same_kind(pair.map(|p| p.genus.unwrap_or_default()), pair.map(|p| p.boundary_loops))
+            .map_err(|e| e.at(format!("component {c} of the source")))?;
+    }
+    Ok(())
 }
 
 /// The component of every landmark.
@@ -53,34 +61,24 @@ fn components_of(mesh: &LoadedMesh, vertices: &[VertexId]) -> Vec<usize> {
     vertices.iter().map(|&v| mesh.mesh.conn.leaving(v).map_or(0, |h| label[face_of(h)] as usize)).collect()
 }
 
-/// Refuses components of different kind, and boundary loops that do not correspond.
-pub fn same_topology(meshes: [&LoadedMesh; 2], partners: &Partners, landmarks: &Landmarks) -> Result<()> {
-    for (c, &partner) in partners.iter().enumerate() {
-        let pair = [&meshes[0].report.components[c], &meshes[1].report.components[partner]];
-        same_kind(pair)
-            .map_err(|e| if partners.len() > 1 { e.at(format!("component {c} of the source")) } else { e })?;
-    }
-    let source = boundary_loops(&meshes[0].mesh, &landmarks.source);
-    let target = boundary_loops(&meshes[1].mesh, &landmarks.target);
-    match pair_by_base_vertices([&source, &target]) {
-        Ok(_) => Ok(()),
-        Err(mismatch) => Err(explain(mismatch, landmarks)),
-    }
+/// Refuses boundary loops that do not correspond through the landmarks on them.
+pub fn same_loops(meshes: [&TriMesh; 2], landmarks: &Landmarks) -> Result<()> {
+    let source = boundary_loops(meshes[0], &landmarks.source);
+    let target = boundary_loops(meshes[1], &landmarks.target);
+    pair_by_base_vertices([&source, &target]).map(drop).map_err(|mismatch| explain(mismatch, landmarks))
 }
 
-fn same_kind([source, target]: [&Component; 2]) -> Result<()> {
-    let genus = [source, target].map(|c| c.genus.unwrap_or_default() as usize); // both are manifolds by now
+fn same_kind(genus: [i64; 2], loops: [usize; 2]) -> Result<()> {
     if genus[0] != genus[1] {
         return Err(different("genus", genus, "look for unwanted tunnels, for instance where limbs touch"));
     }
-    let loops = [source, target].map(|c| c.boundary_loops);
     if loops[0] != loops[1] {
         return Err(different("numbers of boundary loops", loops, "close the extra holes; `homeo check` lists them"));
     }
     Ok(())
 }
 
-fn different(what: &str, [source, target]: [usize; 2], remedy: &str) -> Error {
+fn different<N: Display>(what: &str, [source, target]: [N; 2], remedy: &str) -> Error {
     Error::unsolvable(format!("different {what}: {source} in the source, {target} in the target")).remedy(remedy)
 }
 

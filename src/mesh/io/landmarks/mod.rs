@@ -13,11 +13,13 @@ use crate::mesh::VertexId;
 use crate::{Error, Result};
 use place::{Entry, PointFile};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Landmarks of a pair of meshes; the three lists run in parallel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Landmarks {
+    /// Where they were read from: both meshes' or the source's.
+    pub path: PathBuf,
     /// Names, all different.
     pub names: Vec<String>,
     /// Vertices of the source, all different.
@@ -57,6 +59,7 @@ pub fn read_landmarks(
         label.unwrap_or_else(|| format!("landmark {}", i + 1))
     };
     Ok(Landmarks {
+        path: path.to_owned(),
         names: from.iter().enumerate().map(name).collect(),
         source: from.iter().map(|f| f.vertex).collect(),
         target: order.iter().map(|&j| to[j].vertex).collect(),
@@ -91,7 +94,7 @@ fn read_text(path: &Path) -> Result<String> {
 fn find_vertices(points: PointFile, mesh: &MeshFile, side: &str, notes: &mut Vec<String>) -> Result<Vec<Found>> {
     let fail = |e: Error| e.file(&points.path);
     if points.entries.is_empty() {
-        return Err(fail(Error::input("no landmarks").at("row 1").remedy("give at least three, one per row")));
+        return Err(fail(Error::unsolvable("no landmarks").at("row 1").remedy("give at least three, one per row")));
     }
     let vertices = place::vertices(&points, mesh, side, notes).map_err(fail)?;
     let mut names = HashMap::new();
