@@ -6,9 +6,12 @@ use common::check;
 use common::mesh::{grid, mesh, vertices};
 use glam::DVec3;
 use homeo::ErrorKind;
+use homeo::gpu::{Device, DeviceChoice};
 use homeo::map::surface_map::SurfaceMap;
+use homeo::mesh::io::{MeshFile, write_obj};
 use homeo::mesh::{HalfedgeId, Id, SurfacePoint, TriMesh, VertexId};
 use homeo::path::rim::rims;
+use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
 use homeo::shape::fixture::{annulus, disc, icosphere, sphere_with_holes, torus};
 use homeo::shape::random_landmarks;
 use homeo::stage::cluster::cluster;
@@ -200,6 +203,52 @@ fn two_components_a_disc_and_a_sphere() {
     let source = vertices(&[0, 3, on_source, on_source + 3, on_source + 7, on_source + 10]);
     let target = vertices(&[on_target, on_target + 2, 0, 3, 7, 10]);
     map(meshes, [source, target]);
+}
+
+/// The whole run: what is written about an annulus beside a sphere.
+#[test]
+fn the_report_and_the_tables_are_those_of_the_open_mesh() {
+    let meshes = [beside(&annulus(14, 3), &icosphere(1)), beside(&bent(annulus(20, 4)), &icosphere(2))];
+    let (n, m) = (14 * 4, 20 * 5);
+    let rows = [[1, 2], [22, 37], [43, 71], [n, m], [n + 3, m + 3], [n + 7, m + 7]];
+    let dir = std::env::temp_dir().join(format!("homeo-open-{}", std::process::id()));
+    std::fs::create_dir_all(&dir).expect("the temporary folder is writable");
+    let file = |name: &str| dir.join(name);
+    for (mesh, name) in meshes.iter().zip(["source.obj", "target.obj"]) {
+        let mut text = Vec::new();
+        write_obj(&mut text, &dir, &MeshFile::of(mesh), &mesh.positions.raw).expect("memory takes it");
+        std::fs::write(file(name), text).expect("the temporary folder is writable");
+    }
+    let table: String = rows.iter().enumerate().map(|(i, [s, t])| format!("mark{i},{s},{t}\n")).collect();
+    std::fs::write(file("marks.csv"), "name,source_vertex,target_vertex\n".to_owned() + &table).expect("writable");
+    let job = MapJob {
+        source: file("source.obj"),
+        target: file("target.obj"),
+        landmarks: file("marks.csv"),
+        target_landmarks: None,
+        out: file("out"),
+    };
+    let options = MapOptions { image: 9, ..MapOptions::default() };
+    let device = Device::open(&DeviceChoice::Cpu).expect("the CPU is always there");
+    let mut reports = Vec::new();
+    run_maps(vec![job], &options, device, &Silent, |outcome| reports.push(outcome.value.expect("a map")));
+    let report = &reports[0];
+    assert!(report.certificate.bijective);
+    assert_eq!(report.landmarks, 6);
+    for (summary, mesh) in [&report.source, &report.target].into_iter().zip(&meshes) {
+        assert_eq!((summary.genus, summary.boundary_loops), (0, 2));
+        assert_eq!(summary.faces, mesh.conn.face_count());
+    }
+    let csv = std::fs::read_to_string(file("out/source_on_target.csv")).expect("the table is written");
+    let mut on_boundary = 0;
+    for (v, line) in csv.lines().skip(1).enumerate() {
+        let zeros = line.split(',').skip(2).filter(|b| b.parse() == Ok(0.0)).count();
+        let is_on_boundary = meshes[0].conn.is_on_boundary(VertexId::new(v));
+        assert!(zeros >= 1 || !is_on_boundary, "{line}");
+        on_boundary += usize::from(is_on_boundary);
+    }
+    assert_eq!(on_boundary, 28);
+    std::fs::remove_dir_all(dir).expect("the folder is ours");
 }
 
 #[test]
