@@ -7,7 +7,8 @@
 use super::extremity::distances;
 use super::loop_pairs::pair_by_base_vertices;
 use super::rim::{BoundaryLoop, boundary_loops};
-use crate::mesh::{IdVec, LandmarkId, TriMesh, VertexId};
+use crate::mesh::{IdVec, TriMesh, VertexId, face_of};
+use glam::DVec3;
 use rayon::prelude::*;
 
 /// Base vertices a loop gets at least: the sides of a triangle.
@@ -19,56 +20,96 @@ const PLACES: usize = 64;
 /// Difference of distances that stands for places on different components, in units of the root of the area.
 const APART: f64 = 1e3;
 
+/// A loop as vertices in order, and the numbers of its base vertices among them, ascending from 0.
+#[derive(Clone)]
+struct Ring {
+    vertices: Vec<VertexId>,
+    stops: Vec<usize>,
+}
+
 /// Pairs of auxiliary base vertices, source first, for loops that have too few.
 ///
 /// The loops must correspond as far as the base vertices tell ([`pair_by_base_vertices`]), else there are none.
 pub fn matching_anchors(meshes: [&TriMesh; 2], base_vertices: [&[VertexId]; 2]) -> Vec<[VertexId; 2]> {
     let loops = [0, 1].map(|k| boundary_loops(meshes[k], base_vertices[k]));
-    let Ok(pairs) = pair_by_base_vertices([&loops[0], &loops[1]]) else { return Vec::new() };
-    let [source, target] = loops;
-    let bare: Vec<usize> = (0..pairs.len()).filter(|&i| pairs[i].is_none()).collect();
-    let mut matched: Vec<[BoundaryLoop; 2]> = Vec::new();
-    for (one, j) in source.iter().zip(&pairs) {
-        matched.extend(j.map(|j| [one.clone(), target[j].clone()]));
+    let Ok(partners) = pair_by_base_vertices([&loops[0], &loops[1]]) else { return Vec::new() };
+    let rings = [0, 1].map(|k| loops[k].iter().map(|l| Ring::new(meshes[k], l)).collect::<Vec<_>>());
+    let mut pairs: Vec<[Ring; 2]> = Vec::new();
+    for (i, partner) in partners.iter().enumerate() {
+        pairs.extend(partner.map(|j| [rings[0][i].clone(), rings[1][j].clone()]));
     }
-    let mut anchors = Vec::new();
-    if !bare.is_empty() {
-        // Loops without base vertices stand behind the others on both meshes.
-        let marks = nearest_landmarks(meshes[0], &source[bare[0]..], base_vertices[0]);
-        let signed = [0, 1].map(|k| {
-            let sites: Vec<VertexId> = marks.iter().map(|&l| base_vertices[k][l]).collect();
-            let bare = if k == 0 { &source[bare[0]..] } else { &target[target.len() - bare.len()..] };
-            signatures(meshes[k], bare, &sites)
-        });
-        for (i, j) in assign(&signed) {
-            let pair = [source[bare[0] + i].clone(), target[target.len() - bare.len() + j].clone()];
-            let starts = turn([&signed[0][i], &signed[1][j]]);
-            let rotated = [0, 1].map(|k| started_at(&pair[k], starts[k]));
-            anchors.push([0, 1].map(|k| meshes[k].conn.from(rotated[k].halfedges[0])));
-            matched.push(rotated);
-        }
-    }
-    anchors.extend(matched.iter().flat_map(|pair| complete(meshes, pair)));
+    // Loops without base vertices stand behind the others on both meshes, and are as many.
+    let bare = rings.each_ref().map(|all| &all[pairs.len()..]);
+    let started = start_bare(meshes, bare, base_vertices);
+    let mut anchors: Vec<[VertexId; 2]> = started.iter().map(|pair| pair.each_ref().map(|r| r.vertices[0])).collect();
+    pairs.extend(started);
+    anchors.extend(pairs.iter().flat_map(|pair| complete(meshes, pair)));
     anchors
 }
 
-/// A bare loop that starts at its half-edge number `first`, with a base vertex there.
-fn started_at(bare: &BoundaryLoop, first: usize) -> BoundaryLoop {
-    let mut halfedges = bare.halfedges.clone();
-    halfedges.rotate_left(first);
-    BoundaryLoop { halfedges, stops: vec![(0, LandmarkId(u32::MAX))] }
+/// Pairs the loops without base vertices, and lets each pair start at places that match, with a base vertex there.
+fn start_bare(meshes: [&TriMesh; 2], bare: [&[Ring]; 2], base_vertices: [&[VertexId]; 2]) -> Vec<[Ring; 2]> {
+    if bare[0].is_empty() {
+        return Vec::new();
+    }
+    let marks = nearest_landmarks(meshes[0], bare[0], base_vertices[0]);
+    let signed = [0, 1].map(|k| {
+        let sites: Vec<VertexId> = marks.iter().map(|&l| base_vertices[k][l]).collect();
+        signatures(meshes[k], bare[k], &sites)
+    });
+    let start = |(i, j): (usize, usize)| {
+        let first = turn([&signed[0][i], &signed[1][j]]);
+        [bare[0][i].started_at(first[0]), bare[1][j].started_at(first[1])]
+    };
+    assign(&signed).into_iter().map(start).collect()
 }
 
-/// The landmarks nearest to each loop, by straight distance to its vertices' mean.
-fn nearest_landmarks(mesh: &TriMesh, loops: &[BoundaryLoop], landmarks: &[VertexId]) -> Vec<usize> {
+impl Ring {
+    fn new(mesh: &TriMesh, one: &BoundaryLoop) -> Self {
+        let vertices = one.halfedges.iter().map(|&h| mesh.conn.from(h)).collect();
+        Ring { vertices, stops: one.stops.iter().map(|s| s.0).collect() }
+    }
+
+    /// The same loop from its vertex number `first` on, with a base vertex there.
+    fn started_at(&self, first: usize) -> Self {
+        let mut vertices = self.vertices.clone();
+        vertices.rotate_left(first);
+        Ring { vertices, stops: vec![0] }
+    }
+
+    /// The numbers of the first vertex of every rim and of the one where it ends.
+    fn rims(&self) -> Vec<(usize, usize)> {
+        let ends = self.stops.iter().skip(1).copied().chain([self.vertices.len()]);
+        self.stops.iter().copied().zip(ends).collect()
+    }
+
+    /// The shares of the length from vertex number `from` to number `to` at each vertex on the way, both included.
+    fn shares(&self, mesh: &TriMesh, (from, to): (usize, usize)) -> Vec<f64> {
+        let at = |i: usize| mesh.positions[self.vertices[i % self.vertices.len()]];
+        let mut walked = vec![0.0];
+        for i in from..to {
+            walked.push(walked[walked.len() - 1] + at(i).distance(at(i + 1)));
+        }
+        let total = walked[walked.len() - 1];
+        let share = |(i, w): (usize, &f64)| if total > 0.0 { w / total } else { i as f64 / (to - from) as f64 };
+        walked.iter().enumerate().map(share).collect()
+    }
+}
+
+/// The landmarks nearest to each loop on its component, by straight distance to the mean of its vertices.
+fn nearest_landmarks(mesh: &TriMesh, loops: &[Ring], landmarks: &[VertexId]) -> Vec<usize> {
+    let label = mesh.conn.components();
+    let component = |v: VertexId| mesh.conn.leaving(v).map(|h| label[face_of(h)]);
     let mut marks = Vec::new();
     for one in loops {
-        let points = one.halfedges.iter().map(|&h| mesh.positions[mesh.conn.from(h)]);
-        let centre = points.sum::<glam::DVec3>() / one.halfedges.len() as f64;
-        let mut sorted: Vec<(f64, usize)> =
-            landmarks.iter().enumerate().map(|(l, &v)| (mesh.positions[v].distance(centre), l)).collect();
-        sorted.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        marks.extend(sorted.into_iter().take(NEAREST).map(|(_, l)| l));
+        let centre = one.vertices.iter().map(|&v| mesh.positions[v]).sum::<DVec3>() / one.vertices.len() as f64;
+        let here = component(one.vertices[0]);
+        let mut near: Vec<(f64, usize)> = (0..landmarks.len())
+            .filter(|&l| component(landmarks[l]) == here)
+            .map(|l| (mesh.positions[landmarks[l]].distance(centre), l))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        marks.extend(near.into_iter().take(NEAREST).map(|(_, l)| l));
     }
     marks.sort_unstable();
     marks.dedup();
@@ -81,29 +122,14 @@ struct Signature {
     distances: Vec<Vec<f64>>,
 }
 
-fn signatures(mesh: &TriMesh, loops: &[BoundaryLoop], sites: &[VertexId]) -> Vec<Signature> {
+fn signatures(mesh: &TriMesh, loops: &[Ring], sites: &[VertexId]) -> Vec<Signature> {
     let unit = mesh.area().sqrt();
     let fields: Vec<IdVec<VertexId, f64>> = sites.par_iter().map(|&v| distances(mesh, v, unit)).collect();
-    let one = |l: &BoundaryLoop| Signature {
-        shares: shares(mesh, l, 0, l.halfedges.len()),
-        distances: l.halfedges.iter().map(|&h| fields.iter().map(|d| d[mesh.conn.from(h)]).collect()).collect(),
+    let one = |ring: &Ring| Signature {
+        shares: ring.shares(mesh, (0, ring.vertices.len())),
+        distances: ring.vertices.iter().map(|&v| fields.iter().map(|d| d[v]).collect()).collect(),
     };
     loops.iter().map(one).collect()
-}
-
-/// The share of the length from half-edge number `from` to number `to` of a loop at each vertex between, both included.
-fn shares(mesh: &TriMesh, one: &BoundaryLoop, from: usize, to: usize) -> Vec<f64> {
-    let mut walked = vec![0.0];
-    for &h in &one.halfedges[from..to] {
-        let length = mesh.positions[mesh.conn.from(h)].distance(mesh.positions[mesh.conn.to(h)]);
-        walked.push(walked[walked.len() - 1] + length);
-    }
-    let total = walked[walked.len() - 1];
-    walked
-        .iter()
-        .enumerate()
-        .map(|(i, w)| if total > 0.0 { w / total } else { i as f64 / (to - from) as f64 })
-        .collect()
 }
 
 impl Signature {
@@ -176,32 +202,24 @@ fn turn([source, target]: [&Signature; 2]) -> [usize; 2] {
 }
 
 /// What a pair of loops with one or two base vertices lacks: vertices that divide its longest rim, or its only one.
-fn complete(meshes: [&TriMesh; 2], pair: &[BoundaryLoop; 2]) -> Vec<[VertexId; 2]> {
+fn complete(meshes: [&TriMesh; 2], pair: &[Ring; 2]) -> Vec<[VertexId; 2]> {
     let missing = LEAST_ON_LOOP.saturating_sub(pair[0].stops.len());
-    let room = |k: usize| (0..2).map(|m| spans(&pair[m])[k].1 - spans(&pair[m])[k].0 - 1).min().unwrap_or(0);
-    let length = |k: usize| (0..2).map(|m| span_share(meshes[m], &pair[m], k)).sum::<f64>();
-    let widest =
-        (0..pair[0].stops.len()).filter(|&k| room(k) >= missing).max_by(|&a, &b| length(a).total_cmp(&length(b)));
-    let Some(k) = widest.filter(|_| missing > 0) else { return Vec::new() };
-    let sides = [0, 1].map(|m| {
-        let (from, to) = spans(&pair[m])[k];
-        let chosen = evenly(&shares(meshes[m], &pair[m], from, to), missing);
-        chosen.into_iter().map(|i| meshes[m].conn.from(pair[m].halfedges[from + i])).collect::<Vec<_>>()
+    let rims = pair.each_ref().map(Ring::rims);
+    let room = |k: usize| rims.iter().map(|r| r[k].1 - r[k].0 - 1).min().unwrap_or(0);
+    let length = |k: usize| {
+        let share = |m: usize| {
+            let all = pair[m].shares(meshes[m], (0, pair[m].vertices.len()));
+            all[rims[m][k].1] - all[rims[m][k].0]
+        };
+        share(0) + share(1)
+    };
+    let wide = (0..rims[0].len()).filter(|&k| missing > 0 && room(k) >= missing);
+    let Some(k) = wide.max_by(|&a, &b| length(a).total_cmp(&length(b))) else { return Vec::new() };
+    let [source, target] = [0, 1].map(|m| {
+        let chosen = evenly(&pair[m].shares(meshes[m], rims[m][k]), missing);
+        chosen.into_iter().map(|i| pair[m].vertices[rims[m][k].0 + i]).collect::<Vec<_>>()
     });
-    sides[0].iter().zip(&sides[1]).map(|(&a, &b)| [a, b]).collect()
-}
-
-/// The numbers of the first half-edge of every rim and of the one behind its last.
-fn spans(one: &BoundaryLoop) -> Vec<(usize, usize)> {
-    let ends = one.stops.iter().skip(1).map(|s| s.0).chain([one.halfedges.len()]);
-    one.stops.iter().map(|s| s.0).zip(ends).collect()
-}
-
-/// The share of a loop's length that rim number `k` takes.
-fn span_share(mesh: &TriMesh, one: &BoundaryLoop, k: usize) -> f64 {
-    let all = shares(mesh, one, 0, one.halfedges.len());
-    let (from, to) = spans(one)[k];
-    all[to] - all[from]
+    source.into_iter().zip(target).map(|(a, b)| [a, b]).collect()
 }
 
 /// `count` different inner places of a run of ascending shares from 0 to 1, as evenly spread as they come.
