@@ -118,12 +118,12 @@ fn draw(sweep: &Sweep, seed: u64) -> PairOptions {
 
 /// What is wrong with a finished map, if anything.
 fn fault(mapped: &Mapped) -> Option<String> {
-    if !mapped.composed.certificate.bijective {
-        return Some(format!("no certificate: {:?}", mapped.composed.certificate));
+    if !mapped.map.certificate.bijective {
+        return Some(format!("no certificate: {:?}", mapped.map.certificate));
     }
     let checked = &mapped.checked;
     let ends = [&checked.landmarks.source, &checked.landmarks.target];
-    for (k, map) in mapped.composed.maps.iter().enumerate() {
+    for (k, map) in mapped.map.maps.iter().enumerate() {
         for (&from, &to) in ends[k].iter().zip(ends[1 - k]) {
             if map.images[from] != Some(SurfacePoint::Vertex(to)) {
                 return Some(format!("landmark at {from} went to {:?}, not to {to}", map.images[from]));

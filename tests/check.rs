@@ -176,6 +176,26 @@ fn survivable_oddities_are_warnings() {
 }
 
 #[test]
+fn surfaces_without_a_size_are_faults() {
+    let (positions, triangles) = tetrahedron(0.0);
+    let shaped =
+        |change: &dyn Fn(DVec3) -> DVec3| report(&(positions.iter().map(|&p| change(p)).collect(), triangles.clone()));
+    let tip = DVec3::new(1.0, 2.0, 3.0);
+    for change in [&(|_| tip) as &dyn Fn(DVec3) -> DVec3, &|p| tip * p.x, &|p| p * 1e80, &|p| p * 1e-80] {
+        let found = shaped(change);
+        assert!(
+            matches!(found.faults[..], [Fault::NoArea { component: 0, face: FaceId(0), .. }]),
+            "{:?}",
+            found.faults
+        );
+        assert_eq!((found.genus, found.mesh().is_none()), (None, true));
+    }
+    for size in [1e-60, 1e-8, 1e8, 1e60] {
+        assert_eq!(shaped(&|p| p * size).faults, []);
+    }
+}
+
+#[test]
 fn the_error_names_the_first_faults_and_counts_the_rest() {
     let mut mesh = tetrahedron(0.0);
     mesh.1.extend(faces(&[[0, 0, 1], [1, 1, 2], [2, 2, 3], [3, 3, 0], [0, 1, 70]]));

@@ -37,6 +37,9 @@ pub fn check(positions: &[DVec3], triangles: &[[VertexId; 3]]) -> Report {
     if let (Ok(mesh), true) = (mesh, report.faults.is_empty()) {
         let inside_out = geometry::measure(&mesh, &mut report);
         report.mesh = if inside_out.is_empty() { Some(mesh) } else { turned_over(&mesh, &inside_out) };
+        if !report.faults.is_empty() {
+            (report.mesh, report.genus) = (None, None);
+        }
     }
     report
 }

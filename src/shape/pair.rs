@@ -183,10 +183,10 @@ impl<'a> Holes<'a> {
 /// For every point the nearest vertex that faces use and no earlier point took.
 fn nearest_each(mesh: &TriMesh, points: impl Iterator<Item = DVec3>) -> Vec<VertexId> {
     let mut free: Vec<VertexId> = mesh.conn.vertices().filter(|&v| mesh.conn.leaving(v).is_some()).collect();
-    let mut nearest = |p: DVec3| {
+    let nearest = |p: DVec3| {
         let distance = |&i: &usize| mesh.positions[free[i]].distance_squared(p);
         let best = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         Some(free.swap_remove(best))
     };
-    points.map_while(|p| nearest(p)).collect()
+    points.map_while(nearest).collect()
 }

@@ -7,7 +7,7 @@ mod trim;
 use super::load::Loaded;
 use crate::mesh::check::{Report, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
-use crate::mesh::{FaceId, TriMesh, VertexId};
+use crate::mesh::{Canonical, FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
 use counterparts::{match_components, same_loops, same_numbers};
 use mirrored::refuse_mirrored;
@@ -29,6 +29,8 @@ pub struct LoadedMesh {
     pub omitted: Vec<FaceId>,
     /// What the check said.
     pub report: Report,
+    /// The manifold in the order that the stages work in.
+    pub canonical: Canonical,
 }
 
 /// A pair that a map exists for.
@@ -38,10 +40,27 @@ pub struct Checked {
     pub source: LoadedMesh,
     /// The target mesh.
     pub target: LoadedMesh,
-    /// The landmarks.
+    /// The landmarks, as the file has them.
     pub landmarks: Landmarks,
+    /// The landmarks in the order that the stages work in, by their numbers in the file.
+    pub landmark_order: Vec<usize>,
     /// Everything odd about the input, as sentences.
     pub warnings: Vec<String>,
+}
+
+impl Checked {
+    /// Both meshes in the order that the stages work in: it depends on positions alone, not on the files' orders.
+    pub fn meshes(&self) -> [&TriMesh; 2] {
+        [&self.source.canonical.mesh, &self.target.canonical.mesh]
+    }
+
+    /// The landmarks as vertices of [`Checked::meshes`], in the order of [`Checked::landmark_order`].
+    pub fn sites(&self) -> [Vec<VertexId>; 2] {
+        let sites = |mesh: &LoadedMesh, vertices: &[VertexId]| {
+            self.landmark_order.iter().map(|&l| mesh.canonical.vertex(vertices[l])).collect()
+        };
+        [sites(&self.source, &self.landmarks.source), sites(&self.target, &self.landmarks.target)]
+    }
 }
 
 /// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
@@ -58,14 +77,21 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     same_loops([&source.mesh, &target.mesh], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
     warnings.extend(trimmed.into_iter().chain(doubt));
-    Ok(Checked { source, target, landmarks, warnings })
+    if source.mesh.faces() == target.mesh.faces() {
+        // Two poses of one mesh: in one order, ties are decided alike on both.
+        target.canonical = Canonical::like(&target.mesh, &source.canonical);
+    }
+    let mut landmark_order: Vec<usize> = (0..landmarks.names.len()).collect();
+    landmark_order.sort_by_key(|&l| source.canonical.vertex(landmarks.source[l]));
+    Ok(Checked { source, target, landmarks, landmark_order, warnings })
 }
 
 /// Checks one mesh; refuses it, naming the faults, if it is not an orientable manifold.
 pub fn inspect(file: MeshFile) -> Result<LoadedMesh> {
     let mut report = check_mesh(&file.positions, &file.triangles());
     let mesh = report.take_mesh().map_err(|e| e.file(&file.path))?;
-    Ok(LoadedMesh { file, mesh, omitted: Vec::new(), report })
+    let canonical = Canonical::new(&mesh);
+    Ok(LoadedMesh { file, mesh, omitted: Vec::new(), report, canonical })
 }
 
 /// Refuses landmarks on vertices that no face uses and landmarks that ask for a mirrored map; returns a warning if they

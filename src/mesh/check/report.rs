@@ -58,6 +58,15 @@ pub enum Fault {
         /// Number of fans.
         fans: usize,
     },
+    /// A component whose faces have no area, or coordinates of a size at which areas can no longer be computed.
+    NoArea {
+        /// The component.
+        component: usize,
+        /// Its first face.
+        face: FaceId,
+        /// What its faces' areas add up to.
+        area: f64,
+    },
     /// A component has one side only, like a Moebius band: no choice of orientations agrees everywhere.
     NotOrientable {
         /// An edge where the two faces disagree when all others agree.
@@ -182,7 +191,7 @@ impl Report {
             0 => String::new(),
             n => format!("; and {n} more"),
         };
-        Err(Error::input(format!("not an orientable manifold: {}{more}", named.join("; ")))
+        Err(Error::input(format!("not an orientable surface: {}{more}", named.join("; ")))
             .remedy("repair the mesh; `homeo check` lists all faults"))
     }
 
@@ -221,6 +230,9 @@ impl fmt::Display for Fault {
                 write!(f, "edge {}-{} belongs to {} faces: {}", a.0, b.0, faces.len(), numbers(faces))
             }
             Fault::NonManifoldVertex { vertex, fans } => write!(f, "the faces at {vertex} form {fans} separate fans"),
+            Fault::NoArea { component, face, area } => {
+                write!(f, "component {component}, from {face} on, has the area {area:e}")
+            }
             Fault::NotOrientable { vertices: [a, b], faces: [p, q] } => {
                 write!(f, "one-sided surface: {p} and {q} cannot agree at edge {}-{}", a.0, b.0)
             }

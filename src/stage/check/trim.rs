@@ -6,7 +6,7 @@
 use super::{LoadedMesh, SIDES};
 use crate::map::file_order::number_in_file;
 use crate::mesh::io::Landmarks;
-use crate::mesh::{FaceId, TriMesh, VertexId, face_of};
+use crate::mesh::{Canonical, FaceId, TriMesh, VertexId, face_of};
 
 /// Faces left out for one landmark at most; with more, the boundary would change its shape visibly.
 const MOST_FACES: usize = 6;
@@ -28,6 +28,7 @@ pub fn trim(meshes: [&mut LoadedMesh; 2], landmarks: &Landmarks) -> Vec<String> 
         let mesh = &mut *meshes[inner];
         let numbers: Vec<FaceId> = faces.iter().map(|&f| number_in_file(f, &mesh.omitted)).collect();
         let Some(trimmed) = without(&mesh.mesh, &faces) else { continue };
+        mesh.canonical = Canonical::new(&trimmed);
         mesh.mesh = trimmed;
         mesh.omitted.extend(&numbers);
         mesh.omitted.sort_unstable();
