@@ -5,7 +5,6 @@ use super::console::Console;
 use super::map::run_all;
 use super::summary::demo_summary;
 use crate::error::{Error, Result};
-use crate::mesh::VertexId;
 use crate::mesh::io::{MeshFile, write_obj};
 use crate::pipeline::{MapJob, MapOptions};
 use crate::shape::{DEMO_PAIRS, Shape};
@@ -22,8 +21,7 @@ const RESOLUTION: usize = 5_000;
 pub fn run(args: &DemoArgs, global: &Global, console: &Console) -> Result<ExitCode> {
     let mut names = Vec::new();
     let mut jobs = Vec::new();
-    // Pairs of higher genus come with the layouts that can map them.
-    for pair in DEMO_PAIRS.iter().filter(|pair| pair.genus == 0) {
+    for pair in &DEMO_PAIRS {
         let dir = args.dir.join(pair.name);
         check_place(&dir.join("map"))?;
         let (source, target) = (pair.generate)(RESOLUTION);
@@ -62,14 +60,8 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
 }
 
 fn write_shape(path: &Path, shape: &Shape) -> Result<()> {
-    let corners: Vec<VertexId> = shape.mesh.faces().into_iter().flatten().collect();
-    let file = MeshFile {
-        positions: shape.mesh.positions.raw.clone(),
-        offsets: (0..=corners.len() as u32).step_by(3).collect(),
-        corners,
-        ..MeshFile::default()
-    };
-    write_file(path, |out| write_obj(out, &file, &file.positions))
+    let file = MeshFile::of(&shape.mesh);
+    write_file(path, |out| write_obj(out, Path::new(""), &file, &file.positions))
 }
 
 fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {
