@@ -1,8 +1,8 @@
 //! `homeo`: certified bijective, low-distortion maps between triangle meshes.
 //!
-//! A job is two closed meshes of the same genus and corresponding landmarks. Its product is a [`map`] that gives every
-//! point of either mesh one point of the other, proved to be a bijection, and what follows from it: compatible meshes,
-//! tables of corresponding points, geometry images over a common atlas.
+//! A job is two meshes of the same genus, with as many boundary loops, and corresponding landmarks. Its product is a
+//! [`map`] that gives every point of either mesh one point of the other, proved to be a bijection, and what follows from
+//! it: compatible meshes, tables of corresponding points, geometry images over a common atlas.
 //!
 //! # The main job
 //!
@@ -54,6 +54,7 @@
 //! inside and its genus. An arc that joins two boundary components or loose landmarks cannot block another one. An arc
 //! that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise. When only
 //! postponed arcs are left, the joining ones go first; then every region is a disc, in which each arc has one way to go.
+//! Boundary loops carry arcs before any other is traced ([`path::rim`]), so they are walks like the others.
 //!
 //! # Glossary
 //!
@@ -64,6 +65,7 @@
 //! | cut | a run of edges along which two clusters touch |
 //! | arc | a curve on a mesh between two landmarks: the image of an edge of the base complex |
 //! | base complex | abstract triangles over the landmarks; several edges may join the same two, and an edge may be a loop |
+//! | rim | an arc along a boundary loop; rims are given, and never move |
 //! | layout | the base complex and its arcs on both meshes |
 //! | region | what arcs leave connected |
 //! | patch | a disc bounded by three arcs: the image of a triangle of the base complex |

@@ -9,10 +9,11 @@ use homeo::path::base_complex::DirectedArc;
 use homeo::path::cut_mesh::CutMesh;
 use homeo::path::network::{Corner, connect, embed, rotation, sectors};
 use homeo::path::rebuild::rebuild;
+use homeo::path::region::base_complex;
 use homeo::path::search::{Anywhere, Path, Searcher, Terminal};
 use homeo::shape::fixture;
 use homeo::shape::{SplitMix, random_landmarks};
-use homeo::stage::layout::{Layout, base_complex};
+use homeo::stage::layout::Layout;
 
 fn path(cut: &CutMesh, a: VertexId, b: VertexId) -> Path {
     let [start, goal] = [a, b].map(|v| Terminal::whole(cut, v));

@@ -55,7 +55,7 @@ fn arcs_join_their_ends(mesh: &EmbeddedMesh, base: &BaseComplex) -> bool {
 /// The patches as the arcs on the cut mesh bound them; None if some region is not a triangular disc or its faces are
 /// not those of the embedded patch.
 fn patches_of(mesh: &EmbeddedMesh, base: &BaseComplex) -> Option<IdVec<PatchId, [DirectedArc; 3]>> {
-    let regions = Regions::find(&mesh.cut, &|_| true);
+    let regions = Regions::find(&mesh.cut);
     let mut patches = Vec::with_capacity(base.patches.len());
     for disc in mesh.discs.iter() {
         let region = regions.of_face[*disc.faces.first()?];

@@ -44,6 +44,9 @@ pub fn cells_of_face(boundary: &[BoundaryPoint], steps: &[[VertexId; 2]]) -> Vec
 ///
 /// No triangle has all corners on one side of the face, so none is flat.
 pub fn triangulate(cell: &[BoundaryPoint], position: &dyn Fn(&BoundaryPoint) -> DVec3) -> Vec<[VertexId; 3]> {
+    if let [a, b, c] = cell {
+        return vec![[a.vertex, b.vertex, c.vertex]];
+    }
     let mut ring = cell.to_vec();
     let mut triangles = Vec::with_capacity(ring.len() - 2);
     while ring.len() >= 3 {

@@ -2,12 +2,19 @@
 
 pub mod base_complex;
 pub mod cluster;
+pub mod curve;
 pub mod cut_mesh;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;
 pub mod handedness;
+pub mod handle;
+pub mod loop_anchor;
+pub mod loop_pairs;
 pub mod network;
 pub mod rebuild;
 pub mod region;
+pub mod rim;
 pub mod search;
+pub mod side;
+pub mod subcomplex;

@@ -48,20 +48,6 @@ pub struct Corner {
     pub after: Option<DirectedArc>,
 }
 
-/// The corner that an end of an arc leaves: behind the arc before it among those that are `active`, other than itself.
-pub fn corner_behind(
-    cut: &CutMesh,
-    arcs: &IdVec<ArcId, [LandmarkId; 2]>,
-    end: DirectedArc,
-    active: &dyn Fn(ArcId) -> bool,
-) -> Corner {
-    let landmark = arcs[end.arc][usize::from(end.reversed)];
-    let around = rotation(cut, landmark, &|a| a == end.arc || active(a));
-    let at = around.iter().position(|&d| d == end).unwrap_or(0);
-    let before = (1..around.len()).map(|k| around[(at + around.len() - k) % around.len()]);
-    Corner { landmark, after: before.into_iter().find(|d| d.arc != end.arc) }
-}
-
 /// Embeds a path as an arc: splits the edges it crosses and marks the edges it then runs along.
 ///
 /// The path may cross a face several times (it must where a region is one face wide), as long as it does not cross
@@ -162,11 +148,12 @@ impl Passage for PartsOf<'_> {
     }
 }
 
-/// The open end at a corner.
-fn terminal(cut: &CutMesh, corner: Corner) -> Option<Terminal> {
+/// The open end at a corner, where only arcs that are `active` bound sectors.
+pub(super) fn terminal(cut: &CutMesh, corner: Corner, active: &dyn Fn(ArcId) -> bool) -> Result<Terminal> {
     let vertex = cut.landmarks[corner.landmark];
-    let sector = sectors(cut, vertex, &|_| true).into_iter().find(|s| s.after == corner.after)?;
-    Some(Terminal { vertex, sector: sector.halfedges })
+    let sector = sectors(cut, vertex, active).into_iter().find(|s| s.after == corner.after);
+    let missing = || Error::bug("a corner of the layout is missing").at(corner.landmark);
+    Ok(Terminal { vertex, sector: sector.ok_or_else(missing)?.halfedges })
 }
 
 /// The shortest path between two corners of one region.
@@ -175,10 +162,8 @@ fn terminal(cut: &CutMesh, corner: Corner) -> Option<Terminal> {
 /// then a way along free vertices exists.
 pub fn connect(cut: &mut CutMesh, mesh: &TriMesh, searcher: &mut Searcher, ends: [Corner; 2]) -> Result<Path> {
     for _ in 0..2 {
-        let [start, goal] = ends.map(|c| terminal(cut, c));
-        let (Some(start), Some(goal)) = (start, goal) else {
-            return Err(Error::bug("a corner of the layout is missing").at(ends[0].landmark));
-        };
+        let [start, goal] = ends.map(|c| terminal(cut, c, &|_| true));
+        let (start, goal) = (start?, goal?);
         if let Some(path) = searcher.shortest(cut, &start, &goal, &Anywhere) {
             return Ok(path);
         }
@@ -190,7 +175,7 @@ pub fn connect(cut: &mut CutMesh, mesh: &TriMesh, searcher: &mut Searcher, ends:
 
 /// Refines the region around `seed` until its free vertices are connected: splits every edge between two blocked
 /// vertices that carries no arc, then every face without a free vertex.
-fn open_up(cut: &mut CutMesh, mesh: &TriMesh, seed: FaceId) {
+pub(super) fn open_up(cut: &mut CutMesh, mesh: &TriMesh, seed: FaceId) {
     let faces = region_faces(cut, seed);
     let dividing = |cut: &CutMesh, h: HalfedgeId| {
         cut.arc_at(h).is_none() && cut.is_blocked(cut.conn.from(h)) && cut.is_blocked(cut.conn.to(h))

@@ -3,7 +3,11 @@
 //! Arcs that are already on the cut mesh run along its edges, so a path that never enters a vertex on an arc and never
 //! uses a node of an arc's edge cannot cross one: crossing is decided by connectivity alone.
 //! The search is A* with the straight-line distance, which never overestimates a path on the surface.
+//!
+//! A path that must cross a closed curve an odd number of times is searched on two copies of the region that are joined
+//! crosswise along the curve: it starts on the one copy and ends on the other.
 
+use super::curve::Curve;
 use super::cut_mesh::{CutMesh, Place};
 use crate::mesh::{FaceId, HalfedgeId, VertexId, face_of, next, prev};
 use glam::DVec3;
@@ -41,14 +45,14 @@ pub struct Path {
 struct Open {
     estimate: f64,
     length: f64,
-    node: u32,
+    state: u32,
 }
 
 impl Eq for Open {}
 
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> Ordering {
-        other.estimate.total_cmp(&self.estimate).then(other.node.cmp(&self.node))
+        other.estimate.total_cmp(&self.estimate).then(other.state.cmp(&self.state))
     }
 }
 
@@ -58,6 +62,7 @@ impl PartialOrd for Open {
     }
 }
 
+/// What is known of a state: a node on one of the copies, numbered `node + copy * nodes`.
 #[derive(Clone, Copy)]
 struct Label {
     epoch: u32,
@@ -66,13 +71,15 @@ struct Label {
     length: f64,
 }
 
-const NO_NODE: u32 = u32::MAX;
+/// Marks a parent as the node where the path starts; numbers of states stay below it.
+const START: u32 = 1 << 31;
 
-/// Reusable working memory of the search: one label per node, valid if it carries the current epoch.
+/// Reusable working memory of the search: one label per state, valid if it carries the current epoch.
 #[derive(Default)]
 pub struct Searcher {
     labels: Vec<Label>,
     epoch: u32,
+    nodes: u32,
     queue: BinaryHeap<Open>,
 }
 
@@ -100,10 +107,36 @@ impl Passage for Anywhere {}
 /// What one search knows.
 struct Query<'a> {
     cut: &'a CutMesh,
-    goal: &'a Terminal,
-    goal_faces: Vec<FaceId>,
-    goal_position: DVec3,
+    goals: &'a [Terminal],
     passage: &'a dyn Passage,
+    /// The curve to be crossed an odd number of times.
+    curve: Option<&'a Curve>,
+    /// The path must be shorter.
+    limit: f64,
+}
+
+impl Query<'_> {
+    fn arrives(&self, v: VertexId, f: FaceId) -> bool {
+        self.goals.iter().any(|goal| goal.vertex == v && goal.sector.iter().any(|&h| face_of(h) == f))
+    }
+
+    /// A lower bound of the way left; only a single goal is worth the trouble.
+    fn remainder(&self, at: DVec3) -> f64 {
+        match self.goals {
+            [goal] => at.distance(self.cut.positions[goal.vertex]),
+            _ => 0.0,
+        }
+    }
+}
+
+/// A path on its way: where it is and how long it has been.
+#[derive(Clone, Copy)]
+struct Tip {
+    state: u32,
+    place: Place,
+    at: DVec3,
+    length: f64,
+    copy: u32,
 }
 
 impl Searcher {
@@ -118,55 +151,82 @@ impl Searcher {
         goal: &Terminal,
         passage: &dyn Passage,
     ) -> Option<Path> {
-        let goal_faces = goal.sector.iter().map(|&h| face_of(h)).collect();
-        let goal_position = cut.positions[goal.vertex];
-        let query = Query { cut, goal, goal_faces, goal_position, passage };
-        self.begin(cut.node_count());
-        for &h in &start.sector {
-            if passage.face(face_of(h)) {
-                self.expand_vertex_face(&query, NO_NODE, 0.0, cut.positions[start.vertex], h);
+        let goals = std::slice::from_ref(goal);
+        let query = Query { cut, goals, passage, curve: None, limit: f64::INFINITY };
+        let mut path = self.run(&query, std::slice::from_ref(start))?;
+        path.shorten_repeats(cut);
+        Some(path)
+    }
+
+    /// The shortest path from one of `starts` to one of `goals` that crosses `curve` an odd number of times; None if
+    /// there is none shorter than `limit`.
+    ///
+    /// It may pass a node or a face twice: on the way to a handle and on the way back.
+    pub fn shortest_across(
+        &mut self,
+        cut: &CutMesh,
+        starts: &[Terminal],
+        goals: &[Terminal],
+        curve: &Curve,
+        limit: f64,
+    ) -> Option<Path> {
+        self.run(&Query { cut, goals, passage: &Anywhere, curve: Some(curve), limit }, starts)
+    }
+
+    fn run(&mut self, query: &Query, starts: &[Terminal]) -> Option<Path> {
+        self.begin(query);
+        for start in starts {
+            let place = Place::Vertex(start.vertex);
+            let state = START | query.cut.node_at(start.vertex);
+            let tip = Tip { state, place, at: query.cut.positions[start.vertex], length: 0.0, copy: 0 };
+            for &h in start.sector.iter().filter(|&&h| query.passage.face(face_of(h))) {
+                self.expand_vertex_face(query, &tip, h);
             }
         }
-        let goal_node = cut.node_at(goal.vertex);
-        while let Some(Open { length, node, .. }) = self.queue.pop() {
-            if node == goal_node {
-                return Some(self.trace(cut, start.vertex, goal_node));
+        let odd = u32::from(query.curve.is_some());
+        while let Some(Open { length, state, .. }) = self.queue.pop() {
+            let (copy, node) = (state / self.nodes, state % self.nodes);
+            let place = query.cut.place(node);
+            let is_goal = |v: VertexId| query.goals.iter().any(|goal| goal.vertex == v);
+            if copy == odd && matches!(place, Place::Vertex(v) if is_goal(v)) {
+                return Some(self.trace(state));
             }
-            if length > self.labels[node as usize].length {
+            if length > self.labels[state as usize].length {
                 continue;
             }
-            self.expand(&query, node, length);
+            self.expand(query, &Tip { state, place, at: query.cut.node_position(node), length, copy });
         }
         None
     }
 
-    fn begin(&mut self, nodes: usize) {
+    fn begin(&mut self, query: &Query) {
         self.epoch += 1;
         self.queue.clear();
-        let empty = Label { epoch: 0, parent: NO_NODE, face: FaceId(0), length: 0.0 };
-        self.labels.resize(nodes.max(self.labels.len()), empty);
+        self.nodes = query.cut.node_count() as u32;
+        let states = query.cut.node_count() * if query.curve.is_some() { 2 } else { 1 };
+        let empty = Label { epoch: 0, parent: START, face: FaceId(0), length: 0.0 };
+        self.labels.resize(states.max(self.labels.len()), empty);
     }
 
-    fn expand(&mut self, query: &Query, node: u32, length: f64) {
+    fn expand(&mut self, query: &Query, tip: &Tip) {
         let cut = query.cut;
-        let from = cut.node_position(node);
-        match cut.place(node) {
+        match tip.place {
             Place::Vertex(v) => {
                 for h in cut.conn.outgoing(v) {
                     if query.passage.face(face_of(h)) {
-                        self.expand_vertex_face(query, node, length, from, h);
+                        self.expand_vertex_face(query, tip, h);
                     }
                 }
             }
             Place::Edge(h, _) => {
                 // Two steps on end through one face never beat the straight one, except along an arc; there they cross.
-                let came_through = self.labels[node as usize].face;
+                let came_through = self.labels[tip.state as usize].face;
                 for side in [Some(h), cut.conn.twin(h)].into_iter().flatten() {
                     let f = face_of(side);
                     if f != came_through && query.passage.face(f) {
-                        self.reach_vertex(query, node, length, from, f, cut.conn.from(prev(side)));
-                        self.reach_edge(query, node, length, from, next(side));
-                        self.reach_edge(query, node, length, from, prev(side));
+                        self.reach_vertex(query, tip, f, cut.conn.from(prev(side)));
+                        self.reach_edge(query, tip, next(side));
+                        self.reach_edge(query, tip, prev(side));
                     }
                 }
             }
@@ -174,58 +234,58 @@ impl Searcher {
     }
 
     /// From the vertex that `h` leaves into the face left of `h`: along its two sides, and to the opposite edge.
-    fn expand_vertex_face(&mut self, query: &Query, node: u32, length: f64, from: DVec3, h: HalfedgeId) {
+    fn expand_vertex_face(&mut self, query: &Query, tip: &Tip, h: HalfedgeId) {
         let f = face_of(h);
         for side in [h, prev(h)] {
             if query.cut.arc_at(side).is_none() {
                 let far = if side == h { query.cut.conn.to(h) } else { query.cut.conn.from(side) };
-                self.reach_vertex(query, node, length, from, f, far);
+                self.reach_vertex(query, tip, f, far);
             }
         }
-        self.reach_edge(query, node, length, from, next(h));
+        self.reach_edge(query, tip, next(h));
     }
 
-    fn reach_vertex(&mut self, query: &Query, parent: u32, length: f64, from: DVec3, f: FaceId, v: VertexId) {
-        let arrives = v == query.goal.vertex && query.goal_faces.contains(&f);
-        if arrives || (!query.cut.is_blocked(v) && query.passage.vertex(v)) {
-            self.relax(query, parent, length, from, f, query.cut.node_at(v));
+    fn reach_vertex(&mut self, query: &Query, tip: &Tip, f: FaceId, v: VertexId) {
+        if (!query.cut.is_blocked(v) && query.passage.vertex(v)) || query.arrives(v, f) {
+            self.relax(query, tip, f, query.cut.node_at(v));
         }
     }
 
-    fn reach_edge(&mut self, query: &Query, parent: u32, length: f64, from: DVec3, side: HalfedgeId) {
+    fn reach_edge(&mut self, query: &Query, tip: &Tip, side: HalfedgeId) {
         if query.cut.arc_at(side).is_none() && query.passage.edge(side) {
             for node in query.cut.nodes_on(side).iter() {
-                self.relax(query, parent, length, from, face_of(side), node);
+                self.relax(query, tip, face_of(side), node);
             }
         }
     }
 
-    fn relax(&mut self, query: &Query, parent: u32, length: f64, from: DVec3, face: FaceId, node: u32) {
+    fn relax(&mut self, query: &Query, tip: &Tip, face: FaceId, node: u32) {
         let at = query.cut.node_position(node);
-        let length = length + from.distance(at);
-        let label = &mut self.labels[node as usize];
-        if label.epoch != self.epoch || length < label.length {
-            *label = Label { epoch: self.epoch, parent, face, length };
-            self.queue.push(Open { estimate: length + at.distance(query.goal_position), length, node });
+        let length = tip.length + tip.at.distance(at);
+        let crosses = |curve: &Curve| curve.is_between(query.cut, face, tip.place, query.cut.place(node));
+        let copy = tip.copy ^ u32::from(query.curve.is_some_and(crosses));
+        let state = node + copy * self.nodes;
+        let label = &mut self.labels[state as usize];
+        if (label.epoch != self.epoch || length < label.length) && length < query.limit {
+            *label = Label { epoch: self.epoch, parent: tip.state, face, length };
+            self.queue.push(Open { estimate: length + query.remainder(at), length, state });
         }
     }
 
-    fn trace(&self, cut: &CutMesh, start: VertexId, goal: u32) -> Path {
+    fn trace(&self, goal: u32) -> Path {
         let mut nodes = Vec::new();
         let mut faces = Vec::new();
-        let mut node = goal;
-        while node != NO_NODE {
-            let label = self.labels[node as usize];
-            nodes.push(node);
+        let mut state = goal;
+        while state & START == 0 {
+            let label = self.labels[state as usize];
+            nodes.push(state % self.nodes);
             faces.push(label.face);
-            node = label.parent;
+            state = label.parent;
         }
-        nodes.push(cut.node_at(start));
+        nodes.push(state & !START);
         nodes.reverse();
         faces.reverse();
-        let mut path = Path { nodes, faces, length: self.labels[goal as usize].length };
-        path.shorten_repeats(cut);
-        path
+        Path { nodes, faces, length: self.labels[goal as usize].length }
     }
 }
 

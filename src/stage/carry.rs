@@ -1,19 +1,23 @@
 //! The layout of the source carried over to the target (VORONOI 5.2).
 //!
 //! Arcs are taken in some order. Each is traced as the shortest path between the corners that the source's cyclic order
-//! prescribes, and kept if the region structure of both meshes agrees afterwards; otherwise it is postponed. Arcs that
-//! join separate parts of the network never disagree, so once the network is connected every region of a closed surface
-//! of genus zero is a disc and every remaining arc has one way to go: a layout always comes out.
+//! prescribes. One that joins boundary walks blocks nothing; nor does one that opens a handle, if it leaves its region in
+//! one piece here as well. One that separates its region is kept only if both sides hold the same on both meshes, and is
+//! postponed otherwise. When only postponed arcs are left, those that join or open a handle succeed, until every region
+//! is a disc and every remaining arc has one way to go: a layout always comes out.
 
-use super::trace::Traced;
+use super::trace::{Link, Traced};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
-use crate::path::network::{Corner, connect, corner_behind, embed};
+use crate::path::handle::lay_across_handle;
+use crate::path::network::{Corner, connect, embed, rotation};
 use crate::path::rebuild::Upkeep;
-use crate::path::region::Regions;
+use crate::path::rim::rims;
 use crate::path::search::Searcher;
+use crate::path::side::Explorer;
+use crate::path::subcomplex::{Role, Subcomplex};
 
 /// An arc longer than this many times its reference is postponed in the first pass (HYPOTHESIS 3.2).
 const SWIRL: f64 = 1.5;
@@ -31,13 +35,6 @@ pub struct Carried {
     pub postponed: usize,
 }
 
-impl Carried {
-    /// Total length of the arcs.
-    pub fn total(&self) -> f64 {
-        self.lengths.iter().sum()
-    }
-}
-
 /// What stays the same for every order of arcs.
 pub struct Carrier<'a> {
     /// The source's layout.
@@ -52,12 +49,12 @@ pub struct Carrier<'a> {
     pub reference: &'a IdVec<ArcId, f64>,
 }
 
-struct State {
+struct State<'a> {
     cut: CutMesh,
     searcher: Searcher,
-    placed: IdVec<ArcId, bool>,
+    explorer: Explorer,
+    placed: Subcomplex<'a>,
     lengths: IdVec<ArcId, f64>,
-    network: Vec<usize>,
     upkeep: Upkeep,
     postponed: usize,
 }
@@ -65,82 +62,120 @@ struct State {
 impl Carrier<'_> {
     /// Carries all arcs, tried in the given order.
     pub fn carry(&self, order: &[ArcId]) -> Result<Carried> {
-        let arcs = self.source.arcs.len();
         let mut state = State {
             cut: CutMesh::new(self.mesh, self.landmarks, self.edge_nodes),
             searcher: Searcher::default(),
-            placed: IdVec::filled(false, arcs),
-            lengths: IdVec::filled(0.0, arcs),
-            network: (0..self.landmarks.len()).collect(),
+            explorer: Explorer::default(),
+            placed: Subcomplex::bare(&self.source.base),
+            lengths: IdVec::filled(0.0, order.len()),
             upkeep: Upkeep::default(),
             postponed: 0,
         };
-        let mut left = order.to_vec();
+        self.lay_rims(&mut state)?;
+        let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| self.source.links[a] != Link::Rim).collect();
         for limit in [SWIRL, SWIRL_LATER] {
-            self.sweep(&mut state, &mut left, limit)?;
+            self.sweep(&mut state, &mut left, limit);
         }
         while !left.is_empty() {
             let before = left.len();
-            self.sweep(&mut state, &mut left, f64::INFINITY)?;
+            let failure = self.sweep(&mut state, &mut left, f64::INFINITY);
             if left.len() == before {
-                return Err(Error::bug("no arc of the layout can be carried to the target").at(left[0]));
+                let stuck = || Error::bug("no arc of the layout can be carried to the target").at(left[0]);
+                return Err(failure.unwrap_or_else(stuck));
             }
         }
         Ok(Carried { cut: state.cut, lengths: state.lengths, postponed: state.postponed })
     }
 
-    /// Tries every arc once; those that fail stay in `left`.
-    fn sweep(&self, state: &mut State, left: &mut Vec<ArcId>, limit: f64) -> Result<()> {
-        let mut still = Vec::new();
-        for &arc in left.iter() {
-            if !self.place(state, arc, limit)? {
-                state.postponed += 1;
-                still.push(arc);
+    /// Lays the arcs along the boundary, which both meshes number alike.
+    fn lay_rims(&self, state: &mut State) -> Result<()> {
+        for (i, rim) in rims(self.mesh, self.landmarks).iter().enumerate() {
+            let arc = ArcId::new(i);
+            if self.source.base.arcs.raw.get(i) != Some(&rim.ends) {
+                return Err(Error::bug("the boundary loops carry different base vertices").at(arc));
             }
+            rim.lay(&mut state.cut, arc);
+            state.lengths[arc] = rim.length(&state.cut);
+            state.placed.add(arc);
         }
-        *left = still;
         Ok(())
     }
 
-    /// Traces one arc on the target; false if it is too long or splits a region differently than on the source.
+    /// Tries every arc once; those that fail stay in `left`. Returns the last failure that was not a refusal.
+    fn sweep(&self, state: &mut State, left: &mut Vec<ArcId>, limit: f64) -> Option<Error> {
+        let mut failure = None;
+        left.retain(|&arc| {
+            let placed = self.place(state, arc, limit * self.reference[arc]).unwrap_or_else(|e| {
+                failure = Some(e);
+                false
+            });
+            state.postponed += usize::from(!placed);
+            !placed
+        });
+        failure
+    }
+
+    /// Traces one arc on the target; false if it is longer than `limit` or separates other things than on the source.
+    ///
+    /// If it fails, the target carries the same arcs as before, though it may be finer.
     fn place(&self, state: &mut State, arc: ArcId, limit: f64) -> Result<bool> {
-        let corners = [false, true].map(|reversed| self.corner(state, DirectedArc { arc, reversed }));
-        let path = connect(&mut state.cut, self.mesh, &mut state.searcher, corners)?;
-        if path.length > limit * self.reference[arc] {
-            return Ok(false);
+        let role = state.placed.role(arc);
+        let corners = [false, true].map(|reversed| state.placed.corner_behind(DirectedArc { arc, reversed }));
+        let length = match role {
+            Role::OpensHandle => self.open_handle(state, arc, corners)?,
+            // The shortest loop through one corner encloses nothing.
+            Role::Separates if corners[0] == corners[1] => return Ok(false),
+            _ => self.join(state, arc, corners, limit)?,
+        };
+        let ends = self.source.base.arcs[arc];
+        let agrees = length <= limit
+            && (ends[0] != ends[1] || state.turns_as_on_source(arc, ends[0]))
+            && (role != Role::Separates || state.separates_as_on_source(arc, ends[0]));
+        if agrees {
+            state.placed.add(arc);
+            state.lengths[arc] = length;
+            state.upkeep.after_arc(self.mesh, &mut state.cut, &self.source.base.arcs, self.edge_nodes);
+        } else {
+            state.cut.unmark(arc, ends[0]);
         }
-        let [a, b] = self.source.arcs[arc].map(|l| root(&state.network, l));
-        let before = (a == b).then(|| state.cut.clone());
-        embed(&mut state.cut, self.mesh, &path, arc)?;
-        state.placed[arc] = true;
-        if let Some(before) = before.filter(|_| !self.agrees(state)) {
-            state.cut = before;
-            state.placed[arc] = false;
-            return Ok(false);
-        }
-        state.network[a] = b;
-        state.lengths[arc] = path.length;
-        state.upkeep.after_arc(self.mesh, &mut state.cut, &self.source.arcs, self.edge_nodes);
-        Ok(true)
+        Ok(agrees)
     }
 
-    /// The corner on the target where an end of an arc belongs: behind the arc that precedes it on the source.
-    fn corner(&self, state: &State, end: DirectedArc) -> Corner {
-        corner_behind(&self.source.cut, &self.source.arcs, end, &|a| state.placed[a])
+    /// Lays an arc along the shortest path, unless it is longer than `limit`; returns its length.
+    fn join(&self, state: &mut State, arc: ArcId, corners: [Corner; 2], limit: f64) -> Result<f64> {
+        let State { cut, searcher, .. } = state;
+        let path = connect(cut, self.mesh, searcher, corners)?;
+        if path.length <= limit {
+            let laid = embed(cut, self.mesh, &path, arc);
+            laid.inspect_err(|_| drop(cut.unmark(arc, corners[0].landmark)))?;
+        }
+        Ok(path.length)
     }
 
-    fn agrees(&self, state: &State) -> bool {
-        let placed = |a: ArcId| state.placed[a];
-        let source = Regions::find(&self.source.cut, &placed).structure();
-        source == Regions::find(&state.cut, &placed).structure()
+    fn open_handle(&self, state: &mut State, arc: ArcId, [start, goal]: [Corner; 2]) -> Result<f64> {
+        let State { cut, searcher, .. } = state;
+        Ok(lay_across_handle(cut, self.mesh, searcher, [&[start], &[goal]], arc)?.length)
     }
 }
 
-/// The representative of the part of the network a landmark belongs to.
-fn root(network: &[usize], l: LandmarkId) -> usize {
-    let mut at = l.index();
-    while network[at] != at {
-        at = network[at];
+impl State<'_> {
+    /// True if the loop just laid leaves its landmark between the same arcs as on the source; it is turned around if
+    /// that makes it so.
+    fn turns_as_on_source(&mut self, arc: ArcId, landmark: LandmarkId) -> bool {
+        for _ in 0..2 {
+            let around = rotation(&self.cut, landmark, &|_| true);
+            let before = |i: usize| around[(i + around.len() - 1) % around.len()];
+            if (0..around.len()).all(|i| around[i].arc != arc || before(i) == self.placed.neighbour(around[i])) {
+                return true;
+            }
+            self.cut.reverse(arc, landmark);
+        }
+        false
     }
-    at
+
+    /// True if the arc just laid has the same on either side as on the source.
+    fn separates_as_on_source(&mut self, arc: ArcId, first: LandmarkId) -> bool {
+        let found = self.explorer.smaller_side(&self.cut, arc, first);
+        found.is_some_and(|(hand, side)| self.placed.side(arc, hand) == side)
+    }
 }

@@ -1,25 +1,32 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
+mod counterparts;
 mod mirrored;
+mod trim;
 
 use super::load::Loaded;
 use crate::mesh::check::{Report, check as check_mesh};
 use crate::mesh::io::{Landmarks, MeshFile};
-use crate::mesh::{Canonical, TriMesh, VertexId};
+use crate::mesh::{Canonical, FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
+use counterparts::{match_components, same_loops, same_numbers};
 use mirrored::refuse_mirrored;
 use std::path::Path;
+use trim::trim;
 
-/// Fewest landmarks that a base complex on a sphere can be built from.
-const FEWEST_LANDMARKS: usize = 3;
+/// What the two meshes are called in messages.
+const SIDES: [&str; 2] = ["source", "target"];
 
 /// A mesh with its file and what the check said about it.
 #[derive(Clone, Debug)]
 pub struct LoadedMesh {
     /// The file's content.
     pub file: MeshFile,
-    /// The manifold; vertices are the file's, triangles those of [`MeshFile::triangles`] with repairs as reported.
+    /// The manifold; vertices are the file's, triangles those of [`MeshFile::triangles`] with repairs as reported, and
+    /// without those left out.
     pub mesh: TriMesh,
+    /// The file's triangles that are left out of the map, in order.
+    pub omitted: Vec<FaceId>,
     /// What the check said.
     pub report: Report,
     /// The manifold in the order that the stages work in.
@@ -61,13 +68,15 @@ impl Checked {
 pub fn check(loaded: Loaded) -> Result<Checked> {
     let Loaded { source, target, landmarks } = loaded;
     let (source, target) = rayon::join(|| inspect(source), || inspect(target));
-    let (source, mut target) = (source?, target?);
-    same_topology(&source.report, &target.report).map_err(|e| e.file(&target.file.path))?;
+    let (mut source, mut target) = (source?, target?);
+    same_numbers([&source.report, &target.report]).map_err(|e| e.file(&target.file.path))?;
     let landmarks = landmarks?;
     let doubt = check_landmarks([&source.mesh, &target.mesh], &landmarks)?;
-    supported(&source.report, landmarks.names.len()).map_err(|e| e.file(&source.file.path))?;
+    match_components([&source, &target], &landmarks).map_err(|e| e.file(&target.file.path))?;
+    let trimmed = trim([&mut source, &mut target], &landmarks);
+    same_loops([&source.mesh, &target.mesh], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
-    warnings.extend(doubt);
+    warnings.extend(trimmed.into_iter().chain(doubt));
     if source.mesh.faces() == target.mesh.faces() {
         // Two poses of one mesh: in one order, ties are decided alike on both.
         target.canonical = Canonical::like(&target.mesh, &source.canonical);
@@ -82,7 +91,7 @@ pub fn inspect(file: MeshFile) -> Result<LoadedMesh> {
     let mut report = check_mesh(&file.positions, &file.triangles());
     let mesh = report.take_mesh().map_err(|e| e.file(&file.path))?;
     let canonical = Canonical::new(&mesh);
-    Ok(LoadedMesh { file, mesh, report, canonical })
+    Ok(LoadedMesh { file, mesh, omitted: Vec::new(), report, canonical })
 }
 
 /// Refuses landmarks on vertices that no face uses and landmarks that ask for a mirrored map; returns a warning if they
@@ -100,44 +109,6 @@ fn refuse_unreferenced(side: &str, mesh: &TriMesh, names: &[String], vertices: &
     Err(Error::input(format!("landmark \"{}\" sits on {side} {}, which no face uses", names[i], vertices[i]))
         .at(format_args!("landmark {i}"))
         .remedy("move it to a vertex of the surface"))
-}
-
-/// Refuses pairs between which there is no homeomorphism.
-fn same_topology(source: &Report, target: &Report) -> Result<()> {
-    let loops = |report: &Report| report.boundary_loops.len() as i64;
-    let genus = |report: &Report| report.genus.unwrap_or_default(); // both are manifolds by now
-    let components = |report: &Report| report.components.len() as i64;
-    let figures = [
-        ("numbers of components", components(source), components(target), "map the components one by one"),
-        ("genus", genus(source), genus(target), "look for unwanted tunnels, for instance where limbs touch"),
-        ("numbers of boundary loops", loops(source), loops(target), "close the extra holes; `homeo check` lists them"),
-    ];
-    match figures.into_iter().find(|(_, s, t, _)| s != t) {
-        Some((what, s, t, remedy)) => {
-            Err(Error::unsolvable(format!("different {what}: {s} in the source, {t} in the target")).remedy(remedy))
-        }
-        None => Ok(()),
-    }
-}
-
-/// What this version maps: closed, connected, genus 0, with enough landmarks.
-fn supported(source: &Report, landmarks: usize) -> Result<()> {
-    if source.components.len() != 1 {
-        let what = format!("the meshes are in pieces (components: {})", source.components.len());
-        return Err(Error::unsolvable(what).remedy("map the components one by one"));
-    }
-    if !source.is_closed() {
-        let what = format!("the meshes are open (boundary loops: {})", source.boundary_loops.len());
-        return Err(Error::unsolvable(what).remedy("open meshes are not mapped yet: fill the holes"));
-    }
-    if source.genus != Some(0) {
-        let what = format!("the meshes have genus {}", source.genus.unwrap_or_default());
-        return Err(Error::unsolvable(what).remedy("only genus 0 is mapped yet"));
-    }
-    if landmarks < FEWEST_LANDMARKS {
-        return Err(Error::unsolvable(format!("{landmarks} landmarks")).remedy("give at least three"));
-    }
-    Ok(())
 }
 
 fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> Vec<String> {

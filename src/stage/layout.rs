@@ -8,14 +8,15 @@ use super::carry::{Carried, Carrier};
 use super::order::{ORDERS, Order, arrange};
 use super::trace::{Traced, trace};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
+use crate::mesh::{ArcId, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
-use crate::path::network::{connect, corner_behind, embed};
+use crate::path::network::{connect, embed};
 use crate::path::rebuild::{Upkeep, rebuild};
-use crate::path::region::Regions;
+use crate::path::region::base_complex;
 use crate::path::search::{Anywhere, Searcher, Terminal};
+use crate::path::subcomplex::Subcomplex;
 use rayon::prelude::*;
 
 /// Least edge nodes while candidates are laid out: they settle which way arcs go, and re-routing smooths them.
@@ -45,7 +46,7 @@ pub struct Layout {
 
 /// One way to lay the arcs: traced on one mesh, carried to the other in some order.
 struct Candidate {
-    arcs: IdVec<ArcId, [LandmarkId; 2]>,
+    base: BaseComplex,
     cuts: [CutMesh; 2],
     lengths: [IdVec<ArcId, f64>; 2],
     order: Order,
@@ -89,9 +90,13 @@ fn carry_all(
     traced: &Traced,
 ) -> Result<Vec<Candidate>> {
     let to = 1 - from;
-    let reference = reference_lengths(meshes[to], landmarks[to], traced);
     let scale = meshes.map(|m| m.area().sqrt());
-    let relative = traced.arcs.ids().map(|a| traced.lengths[a] / scale[from] + reference[a] / scale[to]).collect();
+    let reference = reference_lengths(meshes[to], landmarks[to], traced);
+    let relative = |a: ArcId| {
+        let own = traced.lengths[a] / scale[from];
+        if reference[a].is_finite() { own + reference[a] / scale[to] } else { 2.0 * own }
+    };
+    let relative = traced.base.arcs.ids().map(relative).collect();
     let carrier = Carrier {
         source: traced,
         mesh: meshes[to],
@@ -106,88 +111,67 @@ fn carry_all(
             cuts.swap(0, 1);
             both.swap(0, 1);
         }
-        Ok(Candidate { arcs: traced.arcs.clone(), cuts, lengths: both, order, postponed })
+        Ok(Candidate { base: traced.base.clone(), cuts, lengths: both, order, postponed })
     };
     let tries: Vec<Result<Candidate>> = ORDERS.par_iter().map(one).collect();
     tries.into_iter().collect()
 }
 
-/// Re-routes the arcs, rebuilds the cut meshes and reads the base complex off both.
+/// Re-routes the arcs, rebuilds the cut meshes and checks that both carry the base complex.
 fn finish(meshes: [&TriMesh; 2], candidate: Candidate, edge_nodes: u32) -> Result<Layout> {
-    let Candidate { arcs, cuts: [source, target], order, postponed, .. } = candidate;
+    let Candidate { base, cuts: [source, target], order, postponed, .. } = candidate;
     let one = |mesh: &TriMesh, scouted: CutMesh| -> Result<CutMesh> {
-        let mut cut = rebuild(mesh, &scouted, &arcs, edge_nodes).unwrap_or(scouted);
-        let mut lengths = arc_lengths(&cut, &arcs);
-        reroute(mesh, &mut cut, &arcs, &mut lengths, edge_nodes)?;
-        Ok(rebuild(mesh, &cut, &arcs, edge_nodes).unwrap_or(cut))
+        let mut cut = rebuild(mesh, &scouted, &base.arcs, edge_nodes).unwrap_or(scouted);
+        reroute(mesh, &mut cut, &base, edge_nodes)?;
+        Ok(rebuild(mesh, &cut, &base.arcs, edge_nodes).unwrap_or(cut))
     };
     let (a, b) = rayon::join(|| one(meshes[0], source), || one(meshes[1], target));
     let cuts = [a?, b?];
-    let base = base_complex(&cuts[0], &arcs)?;
-    if base_complex(&cuts[1], &arcs)?.patches != base.patches {
-        return Err(Error::bug("the two layouts have different patches"));
+    for cut in &cuts {
+        if base_complex(cut, &base.arcs)? != base {
+            return Err(Error::bug("the two layouts have different patches"));
+        }
     }
-    let lengths = [0, 1].map(|k| arc_lengths(&cuts[k], &arcs).iter().sum());
+    let lengths = [0, 1].map(|k| arc_lengths(&cuts[k], &base.arcs).iter().sum());
     Ok(Layout { base, cuts, lengths, order, postponed })
 }
 
-/// The length of every arc on the bare target.
+/// The length of every arc on the bare target; infinite for loops, which could shrink to nothing.
 fn reference_lengths(mesh: &TriMesh, landmarks: &[VertexId], source: &Traced) -> IdVec<ArcId, f64> {
     let bare = CutMesh::new(mesh, landmarks, 1);
     let length = |searcher: &mut Searcher, ends: &[LandmarkId; 2]| {
         let [start, goal] = ends.map(|l| Terminal::whole(&bare, bare.landmarks[l]));
-        searcher.shortest(&bare, &start, &goal, &Anywhere).map_or(f64::INFINITY, |p| p.length)
+        let path = (ends[0] != ends[1]).then(|| searcher.shortest(&bare, &start, &goal, &Anywhere)).flatten();
+        path.map_or(f64::INFINITY, |p| p.length)
     };
-    let lengths: Vec<f64> = source.arcs.raw.par_iter().map_init(Searcher::default, length).collect();
+    let lengths: Vec<f64> = source.base.arcs.raw.par_iter().map_init(Searcher::default, length).collect();
     IdVec::from_raw(lengths)
 }
 
 /// Traces every arc again inside the quad that taking it away opens, and keeps the shorter way.
-fn reroute(
-    mesh: &TriMesh,
-    cut: &mut CutMesh,
-    arcs: &IdVec<ArcId, [LandmarkId; 2]>,
-    lengths: &mut IdVec<ArcId, f64>,
-    edge_nodes: u32,
-) -> Result<()> {
+fn reroute(mesh: &TriMesh, cut: &mut CutMesh, base: &BaseComplex, edge_nodes: u32) -> Result<()> {
     let mut searcher = Searcher::default();
     let mut upkeep = Upkeep::default();
+    let complete = Subcomplex::complete(base);
+    let mut lengths = arc_lengths(cut, &base.arcs);
     for _ in 0..REROUTE_SWEEPS {
-        for arc in arcs.ids() {
-            let corners =
-                [false, true].map(|reversed| corner_behind(cut, arcs, DirectedArc { arc, reversed }, &|_| true));
-            let before = cut.clone();
-            cut.unmark(arc, arcs[arc][0]);
-            let path = connect(cut, mesh, &mut searcher, corners)?;
-            if path.length < lengths[arc] * (1.0 - WORTH_MOVING) {
-                embed(cut, mesh, &path, arc)?;
-                lengths[arc] = path.length;
-                upkeep.after_arc(mesh, cut, arcs, edge_nodes);
-            } else {
-                *cut = before;
+        for (arc, ends) in base.arcs.iter_ids() {
+            if cut.is_rim(arc, ends[0]) {
+                continue;
+            }
+            let corners = [false, true].map(|reversed| complete.corner_behind(DirectedArc { arc, reversed }));
+            let old = cut.unmark(arc, ends[0]);
+            match connect(cut, mesh, &mut searcher, corners) {
+                Ok(path) if path.length < lengths[arc] * (1.0 - WORTH_MOVING) => {
+                    embed(cut, mesh, &path, arc)?;
+                    lengths[arc] = path.length;
+                    upkeep.after_arc(mesh, cut, &base.arcs, edge_nodes);
+                }
+                _ => cut.mark_along(&old, arc)?,
             }
         }
     }
     Ok(())
-}
-
-/// Reads the base complex off a mesh whose regions are all triangles.
-pub fn base_complex(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> Result<BaseComplex> {
-    let regions = Regions::find(cut, &|_| true);
-    let mut patches: Vec<[DirectedArc; 3]> = Vec::new();
-    for (walks, genus) in regions.walks.iter().zip(&regions.genus) {
-        let sides = match walks.as_slice() {
-            [walk] if *genus == 0 => <[DirectedArc; 3]>::try_from(walk.as_slice()).ok(),
-            _ => None,
-        };
-        let mut sides = sides.ok_or_else(|| Error::bug("a region of the layout is not a triangular disc"))?;
-        let first = (0..3).min_by_key(|&k| sides[k]).unwrap_or(0);
-        sides.rotate_left(first);
-        patches.push(sides);
-    }
-    patches.sort();
-    let patches: IdVec<PatchId, _> = IdVec::from_raw(patches);
-    Ok(BaseComplex { landmarks: cut.landmarks.len(), arcs: arcs.clone(), patches })
 }
 
 fn arc_lengths(cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> IdVec<ArcId, f64> {

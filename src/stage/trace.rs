@@ -2,25 +2,31 @@
 //!
 //! Input: a mesh, its landmarks, their clusters. Output: arcs embedded in a cut mesh so that every region between them
 //! is a disc with three sides. Invariant: after every arc the arcs do not cross, for they run along edges. First one
-//! arc goes through every cut, inside the two clusters that touch there; then regions in several parts are joined, and
-//! regions with more than three sides are halved by their shortest diagonal.
+//! arc goes through every cut, inside the two clusters that touch there; then regions in several parts are joined,
+//! handles are cut open by the shortest arcs that do not separate, and regions with more than three sides are halved by
+//! their shortest diagonal.
 
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
-use crate::path::base_complex::DirectedArc;
+use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
+use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed};
 use crate::path::rebuild::Upkeep;
-use crate::path::region::Regions;
+use crate::path::region::{Regions, base_complex, walk_along};
+use crate::path::rim::rims;
 use crate::path::search::{Passage, Path, Searcher, Terminal};
+use crate::path::side::Explorer;
 
 /// How an arc came about; decides when it is carried over to the target (VORONOI, procedure 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
+    /// Along a boundary loop; given, not traced, and first in number.
+    Rim,
     /// Through a cut between two clusters.
     Cut,
-    /// Joins parts of a region that is not a disc, or halves a region with more than three sides.
+    /// Joins parts of a region, opens a handle, or halves a region with more than three sides.
     Diagonal,
 }
 
@@ -29,8 +35,8 @@ pub enum Link {
 pub struct Traced {
     /// The cut mesh that carries the arcs.
     pub cut: CutMesh,
-    /// The two ends of every arc.
-    pub arcs: IdVec<ArcId, [LandmarkId; 2]>,
+    /// The arcs and the patches between them.
+    pub base: BaseComplex,
     /// How every arc came about.
     pub links: IdVec<ArcId, Link>,
     /// Length of every arc in mesh units.
@@ -41,54 +47,79 @@ pub struct Traced {
 pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_nodes: u32) -> Result<Traced> {
     let mut tracer = Tracer {
         mesh,
-        searcher: Searcher::default(),
-        upkeep: Upkeep::default(),
         edge_nodes,
-        traced: Traced {
-            cut: CutMesh::new(mesh, landmarks, edge_nodes),
-            arcs: IdVec::default(),
-            links: IdVec::default(),
-            lengths: IdVec::default(),
-        },
+        searcher: Searcher::default(),
+        explorer: Explorer::default(),
+        upkeep: Upkeep::default(),
+        cut: CutMesh::new(mesh, landmarks, edge_nodes),
+        arcs: IdVec::default(),
+        links: IdVec::default(),
+        lengths: IdVec::default(),
     };
+    tracer.lay_rims(landmarks);
     tracer.link_through_cuts(clusters)?;
     while tracer.split_one_region()? {}
-    Ok(tracer.traced)
+    let Tracer { cut, arcs, links, lengths, .. } = tracer;
+    Ok(Traced { base: base_complex(&cut, &arcs)?, cut, links, lengths })
 }
 
 struct Tracer<'a> {
     mesh: &'a TriMesh,
-    searcher: Searcher,
-    upkeep: Upkeep,
     edge_nodes: u32,
-    traced: Traced,
+    searcher: Searcher,
+    explorer: Explorer,
+    upkeep: Upkeep,
+    cut: CutMesh,
+    arcs: IdVec<ArcId, [LandmarkId; 2]>,
+    links: IdVec<ArcId, Link>,
+    lengths: IdVec<ArcId, f64>,
 }
 
 impl Tracer<'_> {
-    fn add(&mut self, ends: [LandmarkId; 2], link: Link, path: &Path) -> Result<()> {
-        let arc = self.traced.arcs.push(ends);
-        self.traced.links.push(link);
-        self.traced.lengths.push(path.length);
-        embed(&mut self.traced.cut, self.mesh, path, arc)
-    }
-
-    fn tidy(&mut self) {
-        self.upkeep.after_arc(self.mesh, &mut self.traced.cut, &self.traced.arcs, self.edge_nodes);
+    /// Notes an arc that has been laid.
+    fn note(&mut self, ends: [LandmarkId; 2], link: Link, length: f64) {
+        self.arcs.push(ends);
+        self.links.push(link);
+        self.lengths.push(length);
+        self.upkeep.after_arc(self.mesh, &mut self.cut, &self.arcs, self.edge_nodes);
     }
 
     /// Adds an arc through a cut, unless it would enclose nothing together with an arc that is already there.
     ///
     /// That happens where landmarks lie so close together that a cut runs through one of them.
     fn add_unless_empty(&mut self, ends: [LandmarkId; 2], path: &Path) -> Result<()> {
-        let before = self.traced.cut.clone();
-        self.add(ends, Link::Cut, path)?;
-        if Regions::find(&self.traced.cut, &|_| true).has_empty_cell() {
-            self.traced.arcs.raw.pop();
-            self.traced.links.raw.pop();
-            self.traced.lengths.raw.pop();
-            self.traced.cut = before;
+        let arc = ArcId::new(self.arcs.len());
+        embed(&mut self.cut, self.mesh, path, arc)?;
+        let h = self.cut.arc_path(arc, ends[0]).first().copied();
+        let sides = [h, h.and_then(|h| self.cut.conn.twin(h))];
+        if sides.into_iter().flatten().any(|h| self.encloses_nothing(h)) {
+            self.cut.unmark(arc, ends[0]);
+        } else {
+            self.note(ends, Link::Cut, path.length);
         }
         Ok(())
+    }
+
+    /// Lays the arcs along the boundary.
+    fn lay_rims(&mut self, landmarks: &[VertexId]) {
+        for rim in rims(self.mesh, landmarks) {
+            let arc = self.arcs.push(rim.ends);
+            self.links.push(Link::Rim);
+            self.lengths.push(rim.length(&self.cut));
+            rim.lay(&mut self.cut, arc);
+        }
+    }
+
+    /// True if left of a half-edge with an arc lies an empty disc with one or two sides: no triangle can fill it.
+    ///
+    /// A single open arc on a sphere also has a walk of two sides, but the walk runs along both sides of one arc.
+    fn encloses_nothing(&mut self, h: HalfedgeId) -> bool {
+        let walk = walk_along(&self.cut, h);
+        if walk.len() > 2 || walk.iter().all(|d| walk.contains(&d.flipped())) {
+            return false;
+        }
+        let side = self.explorer.left_of(&self.cut, h);
+        side.euler == 1 && side.isolated.is_empty() && side.boundary.len() == walk.len()
     }
 
     /// One arc through every cut, the nearest cuts first.
@@ -98,11 +129,10 @@ impl Tracer<'_> {
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for (_, c) in order {
             let ends = clusters.cuts[c].clusters;
-            let passage = ThroughCut::new(self.mesh, &self.traced.cut, clusters, &cut_of_edge, c);
-            let [start, goal] = ends.map(|l| Terminal::whole(&self.traced.cut, self.traced.cut.landmarks[l]));
-            if let Some(path) = self.searcher.shortest(&self.traced.cut, &start, &goal, &passage) {
+            let passage = ThroughCut::new(self.mesh, &self.cut, clusters, &cut_of_edge, c);
+            let [start, goal] = ends.map(|l| Terminal::whole(&self.cut, self.cut.landmarks[l]));
+            if let Some(path) = self.searcher.shortest(&self.cut, &start, &goal, &passage) {
                 self.add_unless_empty(ends, &path)?;
-                self.tidy();
             }
         }
         Ok(())
@@ -110,28 +140,36 @@ impl Tracer<'_> {
 
     /// Adds one arc to the first region that is not yet a triangle; false when all are.
     fn split_one_region(&mut self) -> Result<bool> {
-        let regions = Regions::find(&self.traced.cut, &|_| true);
+        let regions = Regions::find(&self.cut);
         for (r, walks) in regions.walks.iter().enumerate() {
-            if regions.genus[r] != 0 {
-                return Err(Error::unsolvable("the surface between the landmarks has a handle"));
-            }
             let parts = self.parts(walks, &regions.isolated[r]);
-            let candidates = match parts.as_slice() {
+            let (ends, length) = match parts.as_slice() {
+                [walk] if regions.genus[r] > 0 => self.open_handle(walk)?,
                 [walk] if walk.len() == 3 => continue,
-                [walk] => diagonals(walk),
-                _ => joins(&parts),
+                [walk] => self.lay_shortest(diagonals(walk))?,
+                _ => self.lay_shortest(joins(&parts))?,
             };
-            let (ends, path) = self.shortest_of(candidates)?;
-            self.add(ends.map(|c| c.landmark), Link::Diagonal, &path)?;
-            self.tidy();
+            self.note(ends, Link::Diagonal, length);
             return Ok(true);
         }
         Ok(false)
     }
 
+    fn open_handle(&mut self, corners: &[Corner]) -> Result<([LandmarkId; 2], f64)> {
+        let arc = ArcId::new(self.arcs.len());
+        let laid = lay_across_handle(&mut self.cut, self.mesh, &mut self.searcher, [corners, corners], arc)?;
+        Ok((laid.ends, laid.length))
+    }
+
+    fn lay_shortest(&mut self, candidates: Vec<[Corner; 2]>) -> Result<([LandmarkId; 2], f64)> {
+        let (ends, path) = self.shortest_of(candidates)?;
+        embed(&mut self.cut, self.mesh, &path, ArcId::new(self.arcs.len()))?;
+        Ok((ends.map(|c| c.landmark), path.length))
+    }
+
     /// The corners of every boundary walk of a region, and its isolated landmarks.
     fn parts(&self, walks: &[Vec<DirectedArc>], isolated: &[LandmarkId]) -> Vec<Vec<Corner>> {
-        let start = |d: DirectedArc| self.traced.arcs[d.arc][usize::from(d.reversed)];
+        let start = |d: DirectedArc| self.arcs[d.arc][usize::from(d.reversed)];
         let walk_corners =
             |w: &Vec<DirectedArc>| w.iter().map(|&d| Corner { landmark: start(d), after: Some(d) }).collect();
         let alone = isolated.iter().map(|&landmark| vec![Corner { landmark, after: None }]);
@@ -140,17 +178,17 @@ impl Tracer<'_> {
 
     /// The shortest path among candidate ends; the straight distance tells which need not be searched.
     fn shortest_of(&mut self, candidates: Vec<[Corner; 2]>) -> Result<([Corner; 2], Path)> {
-        let at = |c: Corner| self.traced.cut.positions[self.traced.cut.landmarks[c.landmark]];
+        let at = |c: Corner| self.cut.positions[self.cut.landmarks[c.landmark]];
         let mut sorted: Vec<(f64, [Corner; 2])> =
             candidates.into_iter().map(|ends| (at(ends[0]).distance(at(ends[1])), ends)).collect();
         sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let nodes = self.traced.cut.node_count();
+        let nodes = self.cut.node_count();
         let mut best: Option<([Corner; 2], Path)> = None;
         for (straight, ends) in sorted {
             if best.as_ref().is_some_and(|(_, path)| path.length <= straight) {
                 break;
             }
-            let path = connect(&mut self.traced.cut, self.mesh, &mut self.searcher, ends)?;
+            let path = connect(&mut self.cut, self.mesh, &mut self.searcher, ends)?;
             if best.as_ref().is_none_or(|(_, other)| path.length < other.length) {
                 best = Some((ends, path));
             }
@@ -158,20 +196,22 @@ impl Tracer<'_> {
         let (ends, path) = best.ok_or_else(|| {
             Error::unsolvable("the landmarks are too few to span a layout").remedy("give at least three")
         })?;
-        if self.traced.cut.node_count() == nodes {
+        if self.cut.node_count() == nodes {
             return Ok((ends, path));
         }
         // A search refined the region, so nodes found before it may be gone.
-        let path = connect(&mut self.traced.cut, self.mesh, &mut self.searcher, ends)?;
+        let path = connect(&mut self.cut, self.mesh, &mut self.searcher, ends)?;
         Ok((ends, path))
     }
 }
 
-/// Corners of a disc's walk that a diagonal may join: neither neighbours nor at the same landmark.
+/// Corners of a disc's walk that a diagonal may join: not neighbours, and at one landmark only where there is no choice.
 fn diagonals(walk: &[Corner]) -> Vec<[Corner; 2]> {
     let n = walk.len();
     let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j))).filter(|&(i, j)| (j + 1) % n != i);
-    pairs.map(|(i, j)| [walk[i], walk[j]]).filter(|[a, b]| a.landmark != b.landmark).collect()
+    let pairs: Vec<[Corner; 2]> = pairs.map(|(i, j)| [walk[i], walk[j]]).collect();
+    let open: Vec<[Corner; 2]> = pairs.iter().filter(|[a, b]| a.landmark != b.landmark).copied().collect();
+    if open.is_empty() { pairs } else { open }
 }
 
 /// Corners in different parts of a region.
