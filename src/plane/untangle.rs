@@ -5,21 +5,23 @@
 //! surface, often turns it back; the map stays a homeomorphism.
 
 use super::domain::{Domain, Fans};
-use super::smooth::{Model, Smoother};
+use super::smooth::{Model, Smoother, Weighed};
 use super::walk::walk;
+use crate::mesh::metric;
+use crate::solve::dirichlet::{Metrics, Rest};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
 /// Directions in which new places are tried.
-const DIRECTIONS: usize = 12;
+const DIRECTIONS: usize = 16;
 /// How far, in mean distances to the neighbours.
-const REACHES: [f64; 5] = [0.05, 0.15, 0.35, 0.7, 1.2];
+const REACHES: [f64; 6] = [0.03, 0.1, 0.25, 0.5, 0.9, 1.5];
 /// Triangles of the ring keep this share of their area.
 const KEEP_AREA: f64 = 0.02;
-/// A move raises the energy of the ring at most by this factor.
-const MOST_RISE: f64 = 4.0;
+/// A move may raise the energy of the ring up to this many times that of an isometry.
+const WORST: f64 = 100.0;
 /// Visits of all vertices concerned.
-const SWEEPS: usize = 3;
+const SWEEPS: usize = 4;
 
 /// Where a vertex lies on the other surface.
 #[derive(Clone, Copy)]
@@ -27,6 +29,15 @@ struct Image {
     triangle: u32,
     point: DVec3,
     normal: DVec3,
+}
+
+/// What decides between places with equally many turned faces: the first finds ways out, the second is what one sees.
+#[derive(Clone, Copy)]
+enum Second {
+    /// The energy of the map around the vertex.
+    Map,
+    /// The energy of the sampled faces around it.
+    Samples,
 }
 
 struct Untangler<'a> {
@@ -51,11 +62,11 @@ pub fn untangle(moving: &mut Domain, fixed: &Domain, faces: &[[u32; 3]]) -> usiz
     let mut untangler = Untangler { smoother, fixed, fans, faces, around, images };
     let before = untangler.count_all();
     let mut left = before;
-    for _ in 0..SWEEPS {
+    for k in 0..SWEEPS {
         if left == 0 {
             break;
         }
-        untangler.sweep();
+        untangler.sweep(if k % 2 == 0 { Second::Map } else { Second::Samples });
         left = untangler.count_all();
     }
     before.saturating_sub(left)
@@ -66,25 +77,26 @@ impl Untangler<'_> {
         (0..self.faces.len()).filter(|&f| self.is_turned(f)).count()
     }
 
-    fn sweep(&mut self) {
+    fn sweep(&mut self, second: Second) {
         for f in 0..self.faces.len() {
             for v in self.faces[f].map(|v| v as usize) {
                 if self.smoother.moving.free[v] && self.is_turned(f) {
-                    self.improve(v);
+                    self.improve(v, second);
                 }
             }
         }
     }
 
     /// Looks for the place of `v` with the fewest turned faces around, then with the least energy.
-    fn improve(&mut self, v: usize) {
+    fn improve(&mut self, v: usize, second: Second) {
         let (from, image) = (self.smoother.moving.positions[v], self.images[v]);
         let ring: Vec<[DVec2; 2]> = self.fans.around(v).iter().map(|&(t, i)| self.opposite(t, i)).collect();
         let reach = ring.iter().map(|[a, _]| a.distance(from)).sum::<f64>() / ring.len() as f64;
         let keeps =
             |p: DVec2| ring.iter().all(|&[a, b]| (a - p).perp_dot(b - p) > KEEP_AREA * (a - from).perp_dot(b - from));
-        let mut best = (self.turned_around(v), self.ring_energy(v));
-        let highest = MOST_RISE * best.1;
+        let before = self.ring_energy(v);
+        let mut best = self.state_around(v, second);
+        let highest = before.energy.max(WORST * before.weight);
         let mut place = (from, image);
         for k in 0..DIRECTIONS * REACHES.len() {
             let turn = DVec2::from_angle(TAU * (k % DIRECTIONS) as f64 / DIRECTIONS as f64);
@@ -94,13 +106,9 @@ impl Untangler<'_> {
             }
             self.smoother.moving.positions[v] = p;
             self.images[v] = None;
-            let turned = self.turned_around(v);
-            if turned > best.0 {
-                continue;
-            }
-            let energy = self.ring_energy(v);
-            if energy < highest && (turned, energy) < best {
-                best = (turned, energy);
+            let state = self.state_around(v, second);
+            if state < best && self.ring_energy(v).energy < highest {
+                best = state;
                 place = (p, self.images[v]);
             }
         }
@@ -112,16 +120,34 @@ impl Untangler<'_> {
         [1, 2].map(|k| self.smoother.moving.positions[corners[(i as usize + k) % 3] as usize])
     }
 
-    fn ring_energy(&mut self, v: usize) -> f64 {
+    fn ring_energy(&mut self, v: usize) -> Weighed {
         let ring = self.fans.around(v).iter();
-        ring.filter_map(|&(t, _)| self.smoother.exact_energy_of(t as usize)).map(|p| p.energy).sum()
+        let parts = ring.filter_map(|&(t, _)| self.smoother.exact_energy_of(t as usize));
+        parts.fold(Weighed { energy: 0.0, weight: 0.0 }, |sum, part| Weighed {
+            energy: sum.energy + part.energy,
+            weight: sum.weight + part.weight,
+        })
     }
 
-    fn turned_around(&mut self, v: usize) -> usize {
+    /// How many faces around `v` are turned, and the energy that decides between equals.
+    fn state_around(&mut self, v: usize, second: Second) -> (usize, f64) {
         let around = std::mem::take(&mut self.around[v]);
-        let count = around.iter().filter(|&&f| self.is_turned(f as usize)).count();
+        let turned = around.iter().filter(|&&f| self.is_turned(f as usize)).count();
+        let energy = match second {
+            Second::Map => self.ring_energy(v).energy,
+            Second::Samples => around.iter().map(|&f| self.sampled_energy(f as usize)).sum(),
+        };
         self.around[v] = around;
-        count
+        (turned, energy)
+    }
+
+    /// Symmetric Dirichlet energy of the image of a face.
+    fn sampled_energy(&mut self, f: usize) -> f64 {
+        let image = self.faces[f].map(|v| self.image(v as usize).point);
+        let points = self.smoother.moving.spatial(&self.faces[f]);
+        let mut metrics = Metrics::NONE;
+        metrics.add([DVec3::X, DVec3::Y], metric::area(points));
+        Rest::new(metric::flatten(points)).energy(&metrics, metric::flatten(image))
     }
 
     /// True if the face's image is turned against the surface at its corners.

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// Visits of all domains.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 5;
 
 /// Turns back what can be turned back; returns how many triangles were.
 pub fn untangle_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Result<usize> {
