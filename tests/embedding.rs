@@ -10,6 +10,7 @@ use homeo::map::embedding::Embedding;
 use homeo::mesh::{ArcId, FaceId, Id, IdVec, LandmarkId, TriMesh, VertexId, face_of};
 use homeo::path::base_complex::DirectedArc;
 use homeo::path::cut_mesh::CutMesh;
+use homeo::path::region::base_complex;
 use homeo::plane::convex::{embed_patch, is_embedded};
 use homeo::plane::divide::split_dividing_edges;
 use homeo::plane::orientation::orientation;
@@ -18,7 +19,6 @@ use homeo::plane::progressive::embed_progressively;
 use homeo::plane::stretch::{Frame, e_l2, patch_stretch};
 use homeo::shape::fixture;
 use homeo::shape::random_landmarks;
-use homeo::path::region::base_complex;
 
 fn pair(seed: u64, n: usize) -> Pair {
     let [a, b] = [mesh::sphere(11, 20), mesh::crumpled(200, seed)];

@@ -2,6 +2,7 @@
 
 pub mod base_complex;
 pub mod cluster;
+pub mod corner_distance;
 pub mod curve;
 pub mod cut_mesh;
 pub mod extremity;
@@ -9,6 +10,7 @@ pub mod face_cells;
 pub mod front;
 pub mod handle;
 pub mod network;
+pub mod partner;
 pub mod rebuild;
 pub mod region;
 pub mod search;

@@ -41,7 +41,8 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     }
     same_topology(&source.report, &target.report).map_err(|e| e.file(&target.file.path))?;
     supported(&source.report, landmarks.names.len()).map_err(|e| e.file(&source.file.path))?;
-    let warnings = warnings(&source, &target, &landmarks);
+    let mut warnings = warnings(&source, &target, &landmarks);
+    warnings.extend(open_class(&source.report));
     Ok(Checked { source, target, landmarks, warnings })
 }
 
@@ -89,7 +90,7 @@ fn supported(source: &Report, landmarks: usize) -> Result<()> {
         return Err(Error::unsolvable(what).remedy("open meshes are not mapped yet: fill the holes"));
     }
     if landmarks == 0 {
-        let what = "there are no landmarks: nothing tells which of the infinitely many maps is meant";
+        let what = "no landmarks: nothing tells which of the infinitely many maps is meant";
         return Err(Error::unsolvable(what).remedy("give at least one, better three or more"));
     }
     Ok(())
@@ -107,6 +108,15 @@ fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> 
     }
     warnings.extend(landmarks.notes.iter().cloned());
     warnings
+}
+
+/// What landmarks leave open on a surface with handles.
+fn open_class(report: &Report) -> Option<String> {
+    let genus = report.genus.filter(|&genus| genus > 0)?;
+    Some(format!(
+        "genus {genus}: landmarks leave open how often the map winds around a handle; of the ways that were tried the \
+         one with short arcs and little distortion was taken"
+    ))
 }
 
 fn is_inside_out(report: &Report) -> bool {
