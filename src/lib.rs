@@ -1,8 +1,8 @@
 //! `homeo`: certified bijective, low-distortion maps between triangle meshes.
 //!
-//! A job is two closed meshes of the same genus and corresponding landmarks. Its product is a [`map`] that gives every
-//! point of either mesh one point of the other, proved to be a bijection, and what follows from it: compatible meshes,
-//! tables of corresponding points, geometry images over a common atlas.
+//! A job is two meshes of the same genus, with as many boundary loops, and corresponding landmarks. Its product is a
+//! [`map`] that gives every point of either mesh one point of the other, proved to be a bijection, and what follows from
+//! it: compatible meshes, tables of corresponding points, geometry images over a common atlas.
 //!
 //! # The main job
 //!
@@ -11,7 +11,8 @@
 //! ```text
 //!  two files, landmarks
 //!        | load       vertices keep their order and number            mesh::io
-//!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check
+//!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check, path::handedness
+//!        |            from here on in canonical order                 mesh::canonical
 //!        | cluster    the landmarks' surface Voronoi cells             path::front, path::cluster
 //!        | trace      arcs on one mesh, carried over to the other      path::search, path::region
 //!        v
@@ -25,6 +26,7 @@
 //!        v
 //!    SurfaceMap       for every vertex a face of the other mesh and barycentric coordinates
 //!        | bake       sample both meshes over one atlas                map::atlas, kernel::resample
+//!        |            from here on in the files' order
 //!        | write      a folder that appears complete or not at all     map::report
 //!        v
 //!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
@@ -54,6 +56,7 @@
 //! separate. An arc that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise.
 //! When only postponed arcs are left, joining ones go first, then those that open a handle; then every region is a disc,
 //! in which each arc has one way to go.
+//! Boundary loops carry arcs before any other is traced ([`path::rim`]), so they are walks like the others.
 //!
 //! # Glossary
 //!
@@ -64,6 +67,7 @@
 //! | cut | a run of edges along which two clusters touch |
 //! | arc | a curve on a mesh between two landmarks: the image of an edge of the base complex |
 //! | base complex | abstract triangles over the landmarks; several edges may join the same two, and an edge may be a loop |
+//! | rim | an arc along a boundary loop; rims are given, and never move |
 //! | layout | the base complex and its arcs on both meshes |
 //! | region | what arcs leave connected |
 //! | patch | a disc bounded by three arcs: the image of a triangle of the base complex |
@@ -73,6 +77,7 @@
 //! | frame | the triangle in the plane, with the arcs' lengths as sides, in which a patch's stretch is measured |
 //! | embedding | positions of a patch's vertices in its reference triangle |
 //! | domain | the part of the plane in which a patch, or the two patches at an arc, are relaxed |
+//! | canonical order | vertices and faces along a space-filling curve: ties are decided alike whatever order they came in |
 //! | map | source patch -> base triangle -> target patch |
 //! | compatible mesh | one mesh's vertices and faces at the other's shape |
 //! | atlas, tile | the squares over which both meshes are sampled; a tile holds two patches, or one |

@@ -176,6 +176,26 @@ fn survivable_oddities_are_warnings() {
 }
 
 #[test]
+fn surfaces_without_a_size_are_faults() {
+    let (positions, triangles) = tetrahedron(0.0);
+    let shaped =
+        |change: &dyn Fn(DVec3) -> DVec3| report(&(positions.iter().map(|&p| change(p)).collect(), triangles.clone()));
+    let tip = DVec3::new(1.0, 2.0, 3.0);
+    for change in [&(|_| tip) as &dyn Fn(DVec3) -> DVec3, &|p| tip * p.x, &|p| p * 1e80, &|p| p * 1e-80] {
+        let found = shaped(change);
+        assert!(
+            matches!(found.faults[..], [Fault::NoArea { component: 0, face: FaceId(0), .. }]),
+            "{:?}",
+            found.faults
+        );
+        assert_eq!((found.genus, found.mesh().is_none()), (None, true));
+    }
+    for size in [1e-60, 1e-8, 1e8, 1e60] {
+        assert_eq!(shaped(&|p| p * size).faults, []);
+    }
+}
+
+#[test]
 fn the_error_names_the_first_faults_and_counts_the_rest() {
     let mut mesh = tetrahedron(0.0);
     mesh.1.extend(faces(&[[0, 0, 1], [1, 1, 2], [2, 2, 3], [3, 3, 0], [0, 1, 70]]));
@@ -230,9 +250,15 @@ fn pair(source: &Mesh, target: &Mesh, landmarks: &[u32]) -> Loaded {
     };
     let vertices: Vec<VertexId> = landmarks.iter().map(|&v| VertexId(v)).collect();
     let names = landmarks.iter().map(|v| format!("mark{v}")).collect();
-    let landmarks = Landmarks { names, source: vertices.clone(), target: vertices, notes: Vec::new() };
+    let landmarks = Landmarks {
+        path: PathBuf::from("landmarks.csv"),
+        names,
+        source: vertices.clone(),
+        target: vertices,
+        notes: Vec::new(),
+    };
     let (source, target) = (file("source.obj", source), file("target.obj", target));
-    Loaded { source, target, landmarks, landmarks_path: PathBuf::from("landmarks.csv") }
+    Loaded { source, target, landmarks: Ok(landmarks) }
 }
 
 #[test]
@@ -242,7 +268,7 @@ fn a_pair_of_spheres_passes_with_its_warnings() {
     let checked = check_pair(pair(&tetrahedron(0.0), &other, &[0, 1, 2])).expect("a valid pair");
     assert_eq!(checked.source.mesh.faces(), checked.source.file.triangles());
     assert!(checked.warnings.iter().any(|w| w.starts_with("target.obj: component 0 is inside out")));
-    assert!(checked.warnings.iter().any(|w| w.contains("the map mirrors")), "{:?}", checked.warnings);
+    assert_eq!(checked.target.mesh.faces(), tetrahedron(0.0).1, "faces that look inwards are turned over");
 }
 
 #[test]
@@ -260,8 +286,9 @@ fn pairs_without_a_map_are_refused_with_both_numbers() {
         assert_eq!(error.kind, ErrorKind::Unsolvable);
         assert!(error.what.contains(numbers) && !error.remedy.is_empty(), "{error}");
     }
-    for (mesh, landmarks) in [(&open, 3), (&two, 3), (&torus(5), 3), (&sphere, 2)] {
-        let error = check_pair(pair(mesh, mesh, &[0, 1, 2][..landmarks])).expect_err("not supported yet");
+    for (mesh, landmarks) in [(&two, 3), (&torus(5), 0), (&sphere, 0)] {
+        let checked = check_pair(pair(mesh, mesh, &[0, 1, 2][..landmarks])).map(drop);
+        let error = checked.expect_err("landmarks are missing");
         assert_eq!(error.kind, ErrorKind::Unsolvable, "{error}");
     }
 }

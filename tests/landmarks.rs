@@ -93,7 +93,6 @@ fn table_errors_name_file_and_row() {
         ("source_vertex,target_vertex\n1,2\n", "row 0, the header", "column name is missing"),
         ("name,source_vertex\na,1\n", "row 0, the header", "column target_vertex is missing"),
         ("name,sx,sy,sz,tx,ty\na,1,1,1,1,1\n", "row 0, the header", "column tz is missing"),
-        ("name,source_vertex,target_vertex\n", "row 1", "no landmarks"),
         ("name,source_vertex,target_vertex\na,1,1\nb,1.5,x\n", "row 2, line 3", "source_vertex \"1.5\""),
         ("name,source_vertex,target_vertex\na,1,1\n\nb,2,x\n", "row 2, line 4", "target_vertex \"x\""),
         ("name,source_vertex,target_vertex\na,-1,1\n", "row 1, line 2", "\"-1\" is not a vertex index"),
@@ -239,7 +238,6 @@ fn errors_in_files_of_one_mesh_name_the_row() {
             "row 1",
             "not three numbers",
         ),
-        ("b.mrk.json", "{\"markups\":[{\"controlPoints\":[]}]}", "row 1", "no landmarks"),
         ("a.fcsv", "# Markups\n1,2,3\n", "row 1, line 2", "no z"),
         ("b.fcsv", "# Markups\n# CoordinateSystem = IJK\n", "line 2", "unknown coordinate system"),
         ("a.pp", "<PickedPoints><point x=\"1\" y=\"2\" name=\"a\"/></PickedPoints>", "row 1", "no z"),
@@ -249,5 +247,15 @@ fn errors_in_files_of_one_mesh_name_the_row() {
     ] {
         let error = two_files(name, text, good).expect_err(text);
         assert_names(&error, &format!("source_{name}"), row, what);
+    }
+}
+
+#[test]
+fn sound_files_without_landmarks_leave_the_problem_unsolvable() {
+    let empty = "{\"markups\":[{\"controlPoints\":[]}]}";
+    let table = table("none.csv", "name,source_vertex,target_vertex\n");
+    for none in [table, two_files("none.mrk.json", empty, "0 1 2\n")] {
+        let error = none.expect_err("no landmarks");
+        assert_eq!((error.kind, error.what.as_str()), (ErrorKind::Unsolvable, "no landmarks"), "{error}");
     }
 }

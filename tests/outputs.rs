@@ -199,7 +199,7 @@ fn tetrahedron() -> TriMesh {
 fn round_trip(points: &Points) -> (String, Points) {
     let mesh = tetrahedron();
     let mut bytes = Vec::new();
-    let onto = Onto { mesh: &mesh, triangles: &mesh.faces() };
+    let onto = Onto { mesh: &mesh, triangles: &mesh.faces(), omitted: &[] };
     write_points(&mut bytes, points, onto).expect("memory has room");
     let text = String::from_utf8(bytes).expect("CSV is text");
     (text.clone(), read(&text, points.len()).expect("our own file reads back"))
@@ -211,7 +211,7 @@ fn read(text: &str, vertices: usize) -> Result<Points, Error> {
     let path = std::env::temp_dir().join(format!("homeo-points-{test}-{}.csv", std::process::id()));
     fs::File::create(&path).and_then(|mut f| f.write_all(text.as_bytes())).expect("writable");
     let mesh = tetrahedron();
-    let points = read_points(&path, vertices, Onto { mesh: &mesh, triangles: &mesh.faces() });
+    let points = read_points(&path, vertices, Onto { mesh: &mesh, triangles: &mesh.faces(), omitted: &[] });
     fs::remove_file(&path).expect("just written");
     points
 }
@@ -294,6 +294,7 @@ impl Identity {
             arcs: edges.iter().map(|h| ends(h).map(SurfacePoint::Vertex).to_vec()).collect(),
             image: vertices.iter().map(|&v| Some(SurfacePoint::Vertex(v))).collect(),
             landmarks: Landmarks {
+                path: PathBuf::from("landmarks.csv"),
                 names: ["a", "b", "c", "d"].map(String::from).to_vec(),
                 source: vertices.clone(),
                 target: vertices,
@@ -304,7 +305,7 @@ impl Identity {
     }
 
     fn write(&self, dir: &Path) -> Report {
-        let side = Side { file: &self.file, mesh: &self.mesh, arcs: &self.arcs, image: &self.image };
+        let side = Side { file: &self.file, mesh: &self.mesh, omitted: &[], arcs: &self.arcs, image: &self.image };
         let table = TileTable { tile_size: 5, columns: 1, rows: 1, tiles: Vec::new() };
         let images = GeometryImages { table, files: vec![("mask.exr".to_owned(), b"mask".to_vec())] };
         let product = Product {
@@ -341,7 +342,7 @@ fn a_map_is_written_with_all_its_files() {
     let back = read_points(
         &scratch.out().join("source_on_target.csv"),
         identity.mesh.positions.len(),
-        Onto { mesh: &identity.mesh, triangles: &identity.mesh.faces() },
+        Onto { mesh: &identity.mesh, triangles: &identity.mesh.faces(), omitted: &[] },
     )
     .expect("our own file");
     assert_eq!(back, identity.image);

@@ -361,15 +361,27 @@ fn writing_and_reading_back_changes_nothing() {
     let mut mesh = obj(&torus(9, 6));
     mesh.positions.iter_mut().for_each(|p| *p *= 0.1 + 1e-9);
     let mut text = Vec::new();
-    write_obj(&mut text, &mesh, &mesh.positions).expect("memory can be written");
+    write_obj(&mut text, Path::new(""), &mesh, &mesh.positions).expect("memory can be written");
     assert_eq!(parse("again.obj", &text).expect("our own file is valid"), mesh);
+}
+
+#[test]
+fn material_libraries_are_named_as_seen_from_the_new_folder() {
+    let library = temporary("skin.mtl", "newmtl skin\n");
+    let mesh = MeshFile { path: library.with_file_name("mesh.obj"), ..obj(TETRAHEDRON) };
+    for (name, expected) in [("skin.mtl", "../skin.mtl"), ("lost.mtl", "lost.mtl")] {
+        let mesh = MeshFile { material_libraries: vec![name.to_owned()], ..mesh.clone() };
+        let mut text = Vec::new();
+        write_obj(&mut text, &library.with_file_name("out"), &mesh, &mesh.positions).expect("memory can be written");
+        assert!(text.starts_with(format!("mtllib {expected}\n").as_bytes()), "{name}");
+    }
 }
 
 #[test]
 fn normals_are_recomputed_if_there_were_any() {
     let mesh = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nvt 0 0\nvn 1 0 0\nf 1//1 2/1/1 3//1\n");
     let mut text = Vec::new();
-    write_obj(&mut text, &mesh, &mesh.positions).expect("memory can be written");
+    write_obj(&mut text, Path::new(""), &mesh, &mesh.positions).expect("memory can be written");
     let text = String::from_utf8(text).expect("OBJ is text");
     assert_eq!(
         text,
@@ -423,7 +435,7 @@ proptest! {
         let mut mesh = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         mesh.positions = numbers.chunks(3).map(DVec3::from_slice).collect();
         let mut text = Vec::new();
-        write_obj(&mut text, &mesh, &mesh.positions).expect("memory can be written");
+        write_obj(&mut text, Path::new(""), &mesh, &mesh.positions).expect("memory can be written");
         let again = parse("again.obj", &text).expect("our own file is valid");
         prop_assert_eq!(again.positions, mesh.positions);
     }

@@ -45,7 +45,8 @@ fn write_shape(path: &Path, shape: &Shape) {
     let positions = shape.mesh.positions.raw.clone();
     let file = MeshFile { offsets: (0..=corners.len() as u32).step_by(3).collect(), corners, ..MeshFile::default() };
     let mut text = Vec::new();
-    write_obj(&mut text, &MeshFile { positions: positions.clone(), ..file }, &positions).expect("memory takes it");
+    write_obj(&mut text, Path::new(""), &MeshFile { positions: positions.clone(), ..file }, &positions)
+        .expect("memory takes it");
     fs::write(path, text).expect("the temporary folder is writable");
 }
 

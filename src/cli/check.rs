@@ -5,6 +5,7 @@ use super::console::{Console, error_object};
 use crate::error::{Error, ErrorKind, Result};
 use crate::mesh::check::{Report, check};
 use crate::mesh::io::{Landmarks, MeshFile, read_landmarks, read_mesh};
+use crate::stage;
 use serde_json::{Value, json};
 use std::path::Path;
 use std::process::ExitCode;
@@ -45,7 +46,12 @@ fn read_and_check(path: &Path) -> Result<(MeshFile, Report)> {
 fn check_landmarks(path: &Path, meshes: &[Checked]) -> Option<Result<Landmarks>> {
     let [source, target] = meshes else { return None };
     let (source, target) = (source.found.as_ref().ok()?, target.found.as_ref().ok()?);
-    Some(read_landmarks(path, None, &source.0, &target.0))
+    Some(read_landmarks(path, None, &source.0, &target.0).and_then(|mut landmarks| {
+        if let (Some(source), Some(target)) = (source.1.mesh(), target.1.mesh()) {
+            landmarks.notes.extend(stage::check::check_landmarks([source, target], &landmarks)?);
+        }
+        Ok(landmarks)
+    }))
 }
 
 impl Checked<'_> {

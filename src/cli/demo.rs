@@ -5,7 +5,6 @@ use super::console::Console;
 use super::map::run_all;
 use super::summary::demo_summary;
 use crate::error::{Error, Result};
-use crate::mesh::VertexId;
 use crate::mesh::io::{MeshFile, write_obj};
 use crate::pipeline::{MapJob, MapOptions};
 use crate::shape::{DEMO_PAIRS, Shape};
@@ -61,14 +60,8 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
 }
 
 fn write_shape(path: &Path, shape: &Shape) -> Result<()> {
-    let corners: Vec<VertexId> = shape.mesh.faces().into_iter().flatten().collect();
-    let file = MeshFile {
-        positions: shape.mesh.positions.raw.clone(),
-        offsets: (0..=corners.len() as u32).step_by(3).collect(),
-        corners,
-        ..MeshFile::default()
-    };
-    write_file(path, |out| write_obj(out, &file, &file.positions))
+    let file = MeshFile::of(&shape.mesh);
+    write_file(path, |out| write_obj(out, Path::new(""), &file, &file.positions))
 }
 
 fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> std::io::Result<()>) -> Result<()> {

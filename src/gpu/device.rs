@@ -39,6 +39,9 @@ impl Device {
             return Ok(Device::cpu(None));
         }
         let required = std::env::var(REQUIRE_GPU).is_ok_and(|value| value == "1");
+        if *choice == DeviceChoice::Auto && !required && !hardware_is_possible() {
+            return Ok(Device::cpu(Some("no graphics hardware found: computed on the CPU".to_owned())));
+        }
         let adapters = enumerate();
         let infos: Vec<AdapterInfo> = adapters.iter().map(describe).collect();
         let i = match select(choice, &infos, required)? {
@@ -85,6 +88,20 @@ fn describe(adapter: &wgpu::Adapter) -> AdapterInfo {
     };
     let driver = format!("{} {}", info.driver, info.driver_info).trim().to_owned();
     AdapterInfo { name: info.name, kind, backend: info.backend.to_string(), driver }
+}
+
+/// Beginnings of the names under which Linux shows hardware that Vulkan can drive, beside the render nodes in `dri`.
+const HARDWARE: [&str; 7] = ["nvidia", "nvhost", "nvgpu", "dxg", "kgsl", "mali", "pvr"];
+
+/// False where no driver needs to be asked: asking costs time, and software drivers print to stderr.
+fn hardware_is_possible() -> bool {
+    let names = |folder: &str| -> Option<Vec<String>> {
+        let entries = std::fs::read_dir(folder).ok()?;
+        Some(entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned()).collect())
+    };
+    let Some(devices) = names("/dev").filter(|_| cfg!(target_os = "linux")) else { return true };
+    let has_node = devices.iter().any(|name| HARDWARE.iter().any(|start| name.starts_with(start)));
+    has_node || names("/dev/dri").is_some_and(|nodes| nodes.iter().any(|name| name.starts_with("renderD")))
 }
 
 /// An opened adapter with its queue, its compiled kernels and the errors it has recorded.

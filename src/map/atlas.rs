@@ -15,7 +15,7 @@
 //! Samples lie on the tile's border and diagonal, so neighbouring patches sample their common arc at the same points,
 //! bit for bit: see [`BaseSample`].
 
-use super::base_complex::BaseComplex;
+use super::base_complex::{BaseComplex, NO_PATCH};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId, PatchId};
 use crate::solve::matching::maximum_matching;
@@ -221,7 +221,7 @@ fn pair_patches(base: &BaseComplex, cost: Option<&IdVec<ArcId, f64>>) -> Vec<Til
         arcs.sort_by(|&a, &b| cost[a].total_cmp(&cost[b]));
     }
     let sides = |a: ArcId| [side_of[2 * a.index()], side_of[2 * a.index() + 1]];
-    arcs.retain(|&a| sides(a).iter().all(|&(p, _)| p.index() < base.patches.len()));
+    arcs.retain(|&a| sides(a).iter().all(|&(p, _)| p != NO_PATCH));
     let edges: Vec<[usize; 2]> = arcs.iter().map(|&a| sides(a).map(|(p, _)| p.index())).collect();
     let matched = maximum_matching(base.patches.len(), &edges);
     let tile_of = |p: PatchId| {

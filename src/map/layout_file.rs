@@ -75,7 +75,10 @@ impl PointEntry {
         match point {
             SurfacePoint::Vertex(VertexId(vertex)) => PointEntry::Vertex { vertex },
             SurfacePoint::Edge(h, t) => PointEntry::Edge { edge: [mesh.conn.from(h).0, mesh.conn.to(h).0], t },
-            SurfacePoint::Face(f, b) => PointEntry::Face { face: f.0, bary: onto.to_file_order(f, b) },
+            SurfacePoint::Face(f, b) => {
+                let (face, bary) = onto.to_file_order(f, b);
+                PointEntry::Face { face: face.0, bary }
+            }
         }
     }
 }
@@ -112,7 +115,8 @@ mod tests {
             SurfacePoint::Edge(HalfedgeId(1), 0.25),
             SurfacePoint::Face(FaceId(0), [0.5, 0.25, 0.25]),
         ];
-        let lines = polylines(&IdVec::from_raw(vec![points]), Onto { mesh: &mesh, triangles: &mesh.faces() });
+        let onto = Onto { mesh: &mesh, triangles: &mesh.faces(), omitted: &[] };
+        let lines = polylines(&IdVec::from_raw(vec![points]), onto);
         assert_eq!(
             serde_json::to_string(&lines).expect("plain data"),
             concat!(

@@ -18,6 +18,8 @@ pub struct Side<'a> {
     /// The same as an oriented manifold; vertex and triangle numbers are the file's, while the corners of triangles that
     /// had to be turned over stand in another order.
     pub mesh: &'a TriMesh,
+    /// The file's triangles that the mesh lacks because they are left out of the map, in order.
+    pub omitted: &'a [FaceId],
     /// The arcs of the layout on this mesh, each from its first end to its second.
     pub arcs: &'a IdVec<ArcId, Vec<SurfacePoint>>,
     /// Where each of this mesh's vertices lies on the other mesh; None for vertices that no face uses.
@@ -64,7 +66,7 @@ impl Side<'_> {
         MeshSummary {
             file: self.file.path.display().to_string(),
             vertices: self.mesh.conn.vertex_count(),
-            faces: self.mesh.conn.face_count(),
+            faces: self.file.triangle_count(),
             genus: self.mesh.genus(),
             boundary_loops: self.mesh.conn.boundary_loops().len(),
         }

@@ -1,7 +1,8 @@
 //! Checks that triangles form an oriented manifold and names every fault with its element.
 //!
-//! Faces that were turned over are turned back where that is all it takes. Whatever else stands in the way of a manifold
-//! is a fault; what a map survives (zero-area faces, unused or doubled vertices, an inside-out mesh) is a warning.
+//! Faces that were turned over are turned back where that is all it takes, and a closed component that is inside out is
+//! turned over as a whole. Whatever else stands in the way of a manifold is a fault; what a map survives (zero-area faces,
+//! unused or doubled vertices) is a warning.
 
 mod diagnose;
 mod geometry;
@@ -10,7 +11,7 @@ mod report;
 
 pub use report::{BoundaryLoop, Component, Fault, Report, Warning};
 
-use super::{TriMesh, VertexId};
+use super::{FaceId, TriMesh, VertexId};
 use diagnose::diagnose;
 use glam::DVec3;
 
@@ -34,8 +35,18 @@ pub fn check(positions: &[DVec3], triangles: &[[VertexId; 3]]) -> Report {
         TriMesh::new(positions.to_vec(), &repaired)
     });
     if let (Ok(mesh), true) = (mesh, report.faults.is_empty()) {
-        geometry::measure(&mesh, &mut report);
-        report.mesh = Some(mesh);
+        let inside_out = geometry::measure(&mesh, &mut report);
+        report.mesh = if inside_out.is_empty() { Some(mesh) } else { turned_over(&mesh, &inside_out) };
+        if !report.faults.is_empty() {
+            (report.mesh, report.genus) = (None, None);
+        }
     }
     report
+}
+
+/// The mesh with these faces turned over: whole components, so that it stays a manifold.
+fn turned_over(mesh: &TriMesh, faces: &[FaceId]) -> Option<TriMesh> {
+    let mut triangles = mesh.faces();
+    faces.iter().for_each(|f| triangles[f.0 as usize].swap(1, 2));
+    TriMesh::new(mesh.positions.raw.clone(), &triangles).ok()
 }

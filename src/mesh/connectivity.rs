@@ -149,6 +149,11 @@ impl Connectivity {
         (h != NONE).then_some(h)
     }
 
+    /// True if `v` lies on a boundary loop.
+    pub fn is_on_boundary(&self, v: VertexId) -> bool {
+        self.leaving(v).is_some_and(|h| self.twin(h).is_none())
+    }
+
     /// The next half-edge around the start of `h`, counter-clockwise; None past the boundary.
     pub fn turn_left(&self, h: HalfedgeId) -> Option<HalfedgeId> {
         self.twin(prev(h))
@@ -280,6 +285,11 @@ impl Connectivity {
             loops.push(one);
         }
         loops
+    }
+
+    /// True for a surface without boundary and in one piece.
+    pub fn is_closed_and_connected(&self) -> bool {
+        self.halfedges().all(|h| self.twin(h).is_some()) && self.components().iter().all(|&c| c == 0)
     }
 
     /// The connected component of every face, numbered by first face.

@@ -1,5 +1,6 @@
 //! Triangle meshes: ids, connectivity, metric, points on surfaces, files, checks.
 
+pub mod canonical;
 pub mod check;
 pub mod connectivity;
 pub mod face_tree;
@@ -9,6 +10,7 @@ pub mod metric;
 pub mod point;
 pub mod trimesh;
 
+pub use canonical::Canonical;
 pub use connectivity::{Connectivity, ManifoldError, corner, face_of, next, prev};
 pub use id::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, VertexId};
 pub use point::SurfacePoint;

@@ -56,8 +56,9 @@ impl TriMesh {
         if low.is_finite() { low.distance(high) } else { 0.0 }
     }
 
-    /// Genus of a connected mesh: (2 - boundary loops - Euler characteristic) / 2.
+    /// Genus, of all components together: (2 components - boundary loops - Euler characteristic) / 2.
     pub fn genus(&self) -> i64 {
-        (2 - self.conn.boundary_loops().len() as i64 - self.conn.euler_characteristic()) / 2
+        let components = self.conn.components().iter().max().map_or(0, |&last| i64::from(last) + 1);
+        (2 * components - self.conn.boundary_loops().len() as i64 - self.conn.euler_characteristic()) / 2
     }
 }

@@ -2,6 +2,9 @@
 
 use crate::mesh::{ArcId, IdVec, LandmarkId, PatchId};
 
+/// Stands for the missing patch at the right of an arc along the boundary.
+pub const NO_PATCH: PatchId = PatchId(u32::MAX);
+
 /// An arc with a direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct DirectedArc {
@@ -45,9 +48,10 @@ impl BaseComplex {
         self.patches[p].map(|side| self.start(side))
     }
 
-    /// For every directed arc (by [`DirectedArc::index`]) the patch at its left and which side of it the arc is.
+    /// For every directed arc (by [`DirectedArc::index`]) the patch at its left and which side of it the arc is;
+    /// [`NO_PATCH`] at the right of arcs along the boundary.
     pub fn side_of(&self) -> Vec<(PatchId, usize)> {
-        let mut side_of = vec![(PatchId(u32::MAX), 0); 2 * self.arcs.len()];
+        let mut side_of = vec![(NO_PATCH, 0); 2 * self.arcs.len()];
         for (p, sides) in self.patches.iter_ids() {
             for (k, side) in sides.iter().enumerate() {
                 side_of[side.index()] = (p, k);

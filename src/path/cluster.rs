@@ -55,6 +55,30 @@ fn walk(conn: &Connectivity, of_face: &IdVec<FaceId, Option<LandmarkId>>, h: Hal
     Some(n)
 }
 
+/// For every boundary walk of a cluster the clusters at its right, in order, none twice in a row. A walk starts anywhere;
+/// it ends where it comes round or meets the boundary of the mesh.
+pub(super) fn boundary_walks(
+    conn: &Connectivity,
+    of_face: &IdVec<FaceId, Option<LandmarkId>>,
+) -> Vec<(LandmarkId, Vec<LandmarkId>)> {
+    let mut seen = vec![false; 3 * conn.face_count()];
+    let mut walks = Vec::new();
+    for start in conn.halfedges() {
+        let Some([cluster, _]) = sides(conn, of_face, start).filter(|_| !seen[start.index()]) else { continue };
+        let mut around: Vec<LandmarkId> = Vec::new();
+        let mut at = Some(start);
+        while let Some(h) = at.filter(|h| !std::mem::replace(&mut seen[h.index()], true)) {
+            around.extend(sides(conn, of_face, h).map(|[_, right]| right).filter(|l| around.last() != Some(l)));
+            at = walk(conn, of_face, h);
+        }
+        if around.len() > 1 && around.first() == around.last() {
+            around.pop();
+        }
+        walks.push((cluster, around));
+    }
+    walks
+}
+
 fn find_cuts(conn: &Connectivity, of_face: &IdVec<FaceId, Option<LandmarkId>>) -> Vec<Cut> {
     let follower = |h: HalfedgeId| {
         let n = walk(conn, of_face, h)?;

@@ -32,7 +32,7 @@ struct Tip {
 
 /// Pairs of tips that clearly correspond, source first.
 pub fn matching_tips(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Vec<[VertexId; 2]> {
-    if landmarks[0].len() < LEAST_LANDMARKS {
+    if landmarks[0].len() < LEAST_LANDMARKS || !(0..2).all(|k| has_room(meshes[k], landmarks[k])) {
         return Vec::new();
     }
     let (source, target) = rayon::join(|| tips(meshes[0], landmarks[0]), || tips(meshes[1], landmarks[1]));
@@ -50,6 +50,12 @@ pub fn matching_tips(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Vec<
         }
     }
     pairs
+}
+
+/// True if some vertex lies so far from all landmarks that it can be a tip: one front tells, before one a landmark runs.
+fn has_room(mesh: &TriMesh, landmarks: &[VertexId]) -> bool {
+    let farthest = front(mesh, landmarks).distance.iter().copied().filter(|d| d.is_finite()).fold(0.0, f64::max);
+    farthest >= LEAST_REACH * mesh.area().sqrt()
 }
 
 /// Mean difference of two signatures.
@@ -81,7 +87,7 @@ fn tips(mesh: &TriMesh, landmarks: &[VertexId]) -> Vec<Tip> {
 }
 
 /// Distance of every vertex from a landmark along the face graph, in units of the root of the area.
-fn distances(mesh: &TriMesh, landmark: VertexId, unit: f64) -> IdVec<VertexId, f64> {
+pub(super) fn distances(mesh: &TriMesh, landmark: VertexId, unit: f64) -> IdVec<VertexId, f64> {
     let reached = front(mesh, &[landmark]);
     let at = |v: VertexId| {
         let over = |h| {

@@ -51,7 +51,7 @@ impl Explorer {
         loop {
             for (k, hand) in [Hand::Left, Hand::Right].into_iter().enumerate() {
                 let other = floods[1 - k].mark;
-                match self.step(cut, &mut floods[k], other) {
+                match self.step(cut, &mut floods[k], Some(other)) {
                     Step::Met => return None,
                     Step::Done => return Some((hand, self.describe(cut, &floods[k].faces))),
                     Step::Grew => {}
@@ -63,7 +63,7 @@ impl Explorer {
     /// What lies left of a half-edge that carries an arc.
     pub fn left_of(&mut self, cut: &CutMesh, h: HalfedgeId) -> Side {
         let mut flood = self.start(cut, face_of(h));
-        while self.step(cut, &mut flood, 0) == Step::Grew {}
+        while self.step(cut, &mut flood, None) == Step::Grew {}
         self.describe(cut, &flood.faces)
     }
 
@@ -75,13 +75,13 @@ impl Explorer {
         Flood { mark: self.mark, faces: vec![seed], at: 0 }
     }
 
-    /// Takes one face further; `other` marks the faces of another flood.
-    fn step(&mut self, cut: &CutMesh, flood: &mut Flood, other: u32) -> Step {
+    /// Takes one face further; `other` marks the faces of another flood, if there is one.
+    fn step(&mut self, cut: &CutMesh, flood: &mut Flood, other: Option<u32>) -> Step {
         let Some(&f) = flood.faces.get(flood.at) else { return Step::Done };
         flood.at += 1;
         for h in (0..3).map(|i| corner(f, i)).filter(|&h| cut.arc_at(h).is_none()) {
             let Some(g) = cut.conn.twin(h).map(face_of) else { continue };
-            if self.faces[g] == other {
+            if Some(self.faces[g]) == other {
                 return Step::Met;
             }
             if self.faces[g] != flood.mark {

@@ -23,4 +23,5 @@ pub use job::{MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};
-pub use stages::{Stage, run_maps};
+pub use stages::{Stage, map_pairs, run_maps};
+pub use steps::Mapped;

@@ -3,9 +3,12 @@
 use super::job::{MapJob, MapOptions};
 use super::line::{Line, Outcome};
 use super::observer::Observer;
-use super::steps;
-use crate::gpu::Device;
+use super::pair::Pair;
+use super::steps::{self, Finished, Mapped};
+use crate::gpu::{Compute, Device};
 use crate::map::report::Report;
+use crate::stage::load::Loaded;
+use std::path::PathBuf;
 use std::thread;
 
 /// Maps pairs: every job passes all stages; `take` gets the outcomes in the order of the jobs.
@@ -20,19 +23,45 @@ pub fn run_maps(
 ) {
     let (compute, device) = (&device.compute, &steps::device_line(&device));
     thread::scope(|scope| {
-        Line::start(scope, observer, jobs)
-            .then(Stage::Load, steps::load)
-            .then(Stage::Check, steps::check)
-            .then(Stage::Cluster, steps::cluster)
-            .then(Stage::Trace, steps::trace)
-            .then(Stage::Embed, steps::embed)
-            .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
-            .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, step))
-            .then(Stage::Compose, steps::compose)
+        let loaded = Line::start(scope, observer, jobs).then(Stage::Load, steps::load);
+        checked_to_composed(loaded, options, compute)
             .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, step))
             .then(Stage::Write, |pair, step| steps::write(pair, device, step))
             .finish(take);
     });
+}
+
+/// Maps pairs that are in memory, by the same stages but without files and images; asks for the next pair only when
+/// there is room.
+pub fn map_pairs(
+    pairs: impl Iterator<Item = Loaded> + Send,
+    options: &MapOptions,
+    device: &Device,
+    observer: &dyn Observer,
+    mut take: impl FnMut(Outcome<Mapped>),
+) {
+    thread::scope(|scope| {
+        let loaded = Line::start(scope, observer, pairs.map(|pair| (PathBuf::new(), pair)));
+        checked_to_composed(loaded, options, &device.compute).finish(|Outcome { id, value, seconds }| {
+            take(Outcome { id, value: value.map(steps::mapped), seconds });
+        });
+    });
+}
+
+/// The stages from which a map comes out of two meshes.
+fn checked_to_composed<'scope, 'env>(
+    loaded: Line<'scope, 'env, (PathBuf, Loaded)>,
+    options: &'env MapOptions,
+    compute: &'env Compute,
+) -> Line<'scope, 'env, Pair<Finished>> {
+    loaded
+        .then(Stage::Check, steps::check)
+        .then(Stage::Cluster, steps::cluster)
+        .then(Stage::Trace, steps::trace)
+        .then(Stage::Embed, steps::embed)
+        .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
+        .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, step))
+        .then(Stage::Compose, steps::compose)
 }
 
 /// A stage of the main job.

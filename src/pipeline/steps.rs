@@ -9,11 +9,10 @@ use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
-use crate::mesh::{TriMesh, VertexId};
 use crate::stage;
 use crate::stage::check::{Checked, LoadedMesh};
 use crate::stage::cluster::BaseVertices;
-use crate::stage::compose::Composed;
+use crate::stage::compose::{CertifiedMap, Composed, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
 use crate::stage::relax::{RelaxOptions, energy, relax_arcs, relax_patches};
@@ -39,14 +38,35 @@ pub struct Finished {
     relaxation: RelaxationSummary,
     composed: Composed,
     notes: Vec<String>,
+}
+
+/// A finished map with its images, in terms of the files.
+pub struct Baked {
+    summary: LayoutSummary,
+    relaxation: RelaxationSummary,
+    map: CertifiedMap,
+    notes: Vec<String>,
     images: Option<GeometryImages>,
+}
+
+/// A certified map with what it was made from.
+#[derive(Debug)]
+pub struct Mapped {
+    /// The meshes, landmarks and warnings about them.
+    pub checked: Checked,
+    /// Both maps with their base complex, arcs and certificate.
+    pub map: CertifiedMap,
+    /// The layout in numbers.
+    pub layout: LayoutSummary,
+    /// What the relaxation did.
+    pub relaxation: RelaxationSummary,
 }
 
 pub fn load(job: MapJob, step: &Step) -> Result<(PathBuf, Loaded)> {
     let MapJob { source, target, landmarks, target_landmarks, out } = job;
     let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks })?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
-    let landmarks = loaded.landmarks.names.len();
+    let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
     step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
     Ok((out, loaded))
 }
@@ -57,7 +77,8 @@ pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
 
 pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
     pair.then(|checked, ()| {
-        let sets = stage::cluster::cluster(meshes(checked), landmarks(checked));
+        let [on_source, on_target] = checked.sites();
+        let sets = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target]);
         let count = |set: Option<&BaseVertices>| set.map_or(0, |s| s.vertices[0].len());
         let [lasting, all] = [sets.first(), sets.last()].map(count);
         let limbs = lasting - checked.landmarks.source.len();
@@ -68,7 +89,7 @@ pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
 
 pub fn trace(pair: Pair<Vec<BaseVertices>>, step: &Step) -> Result<Pair<Vec<Layout>>> {
     pair.then(|checked, sets| {
-        let layouts = stage::layout::layouts(meshes(checked), &sets, EDGE_NODES, CANDIDATES)?;
+        let layouts = stage::layout::layouts(checked.meshes(), &sets, EDGE_NODES, CANDIDATES)?;
         if let Some(Layout { base, .. }) = layouts.first() {
             step.detail(format!("{} arcs, {} patches", base.arcs.len(), base.patches.len()));
         }
@@ -86,7 +107,7 @@ pub fn embed(pair: Pair<Vec<Layout>>, _: &Step) -> Result<Pair<Vec<Embedded>>> {
                 postponed: layout.postponed,
                 flips: 0,
             };
-            let (embedding, notes) = stage::embed::embed(meshes(checked), layout)?;
+            let (embedding, notes) = stage::embed::embed(checked.meshes(), layout)?;
             let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
             Ok(Embedded { summary, embedding, relaxation, notes })
         };
@@ -107,7 +128,7 @@ pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Res
 
 pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
     pair.then(|checked, mut candidates| {
-        let meshes = meshes(checked);
+        let meshes = checked.meshes();
         for embedded in &mut candidates {
             embedded.relaxation.method = how.name();
             embedded.relaxation.energies = match how {
@@ -122,6 +143,8 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<
         if how == Relaxation::Full {
             let more = relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?;
             embedded.relaxation.energies.extend(&more[1..]);
+            let turned_back = stage::untangle::untangle_samples(meshes, &mut embedded.embedding)?;
+            step.detail(format!("{turned_back} sampled triangles turned back"));
         }
         if let [first, .., last] = embedded.relaxation.energies.as_slice() {
             step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", embedded.relaxation.energies.len() - 1));
@@ -132,33 +155,42 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<
 
 pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
     pair.then(|checked, Embedded { summary, embedding, relaxation, notes }| {
-        let composed = stage::compose::compose(meshes(checked), embedding)?;
+        let composed = stage::compose::compose(checked.meshes(), embedding)?;
         if !composed.certificate.bijective {
             return Err(Error::bug(format!("the finished map is not bijective: {:?}", composed.certificate)));
         }
         step.detail("certified");
-        Ok(Finished { summary, relaxation, composed, notes, images: None })
+        Ok(Finished { summary, relaxation, composed, notes })
     })
 }
 
-pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, step: &Step) -> Result<Pair<Finished>> {
-    pair.then(|checked, finished| {
-        let images = geometry_images(compute, meshes(checked), &finished.composed, size)?;
+pub fn mapped(pair: Pair<Finished>) -> Mapped {
+    let Pair { mut checked, made: Finished { summary, relaxation, composed, notes }, .. } = pair;
+    let map = in_file_terms(&checked, composed);
+    checked.warnings.extend(notes);
+    Mapped { checked, map, layout: summary, relaxation }
+}
+
+/// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
+pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, step: &Step) -> Result<Pair<Baked>> {
+    pair.then(|checked, Finished { summary, relaxation, composed, notes }| {
+        let images = geometry_images(compute, checked.meshes(), &composed, size)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
-        Ok(Finished { images, ..finished })
+        let map = in_file_terms(checked, composed);
+        Ok(Baked { summary, relaxation, map, notes, images })
     })
 }
 
-pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> {
+pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
     let Pair { out, checked, made } = &pair;
     let product = Product {
-        source: side(&checked.source, &made.composed, 0),
-        target: side(&checked.target, &made.composed, 1),
+        source: side(&checked.source, &made.map, 0),
+        target: side(&checked.target, &made.map, 1),
         landmarks: &checked.landmarks,
-        base: &made.composed.embedding.base,
+        base: &made.map.base,
         layout: made.summary.clone(),
         relaxation: made.relaxation.clone(),
-        certificate: made.composed.certificate,
+        certificate: made.map.certificate,
         images: made.images.as_ref(),
         device,
         warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
@@ -166,8 +198,8 @@ pub fn write(pair: Pair<Finished>, device: &str, step: &Step) -> Result<Report> 
     stage::write::write(&product, out, || step.seconds())
 }
 
-fn side<'a>(LoadedMesh { file, mesh, .. }: &'a LoadedMesh, composed: &'a Composed, k: usize) -> Side<'a> {
-    Side { file, mesh, arcs: &composed.arcs[k], image: &composed.maps[k].images }
+fn side<'a>(LoadedMesh { file, mesh, omitted, .. }: &'a LoadedMesh, map: &'a CertifiedMap, k: usize) -> Side<'a> {
+    Side { file, mesh, omitted, arcs: &map.arcs[k], image: &map.maps[k].images }
 }
 
 /// The device in the report; without the number of threads, on which no result depends.
@@ -177,12 +209,4 @@ pub fn device_line(device: &Device) -> String {
         Compute::Gpu(_) => &device.description,
     };
     device.note.as_ref().map_or(name.to_owned(), |note| format!("{name}; {note}"))
-}
-
-fn meshes(checked: &Checked) -> [&TriMesh; 2] {
-    [&checked.source.mesh, &checked.target.mesh]
-}
-
-fn landmarks(checked: &Checked) -> [&[VertexId]; 2] {
-    [&checked.landmarks.source, &checked.landmarks.target]
 }

@@ -100,7 +100,7 @@ fn directed_path(cut: &CutMesh, path: &[HalfedgeId], side: DirectedArc) -> Resul
         return Ok(path.to_vec());
     }
     let twins: Option<Vec<HalfedgeId>> = path.iter().rev().map(|&h| cut.conn.twin(h)).collect();
-    twins.ok_or_else(|| Error::bug("an arc inside a closed mesh lies on a boundary").at(side.arc))
+    twins.ok_or_else(|| Error::bug("an arc along the boundary has the surface at its right").at(side.arc))
 }
 
 fn cut_out(

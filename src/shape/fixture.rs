@@ -6,7 +6,8 @@
 //! | closed, genus g | [`torus`] (structured), [`genus`] (remeshed, any g) |
 //! | one boundary loop | [`plane`], [`disc`] |
 //! | several boundary loops | [`annulus`], [`sphere_with_holes`] |
-//! | hard triangles | [`slivers`] (tiny angles), [`uneven`] (tiny edges) |
+//! | hard triangles | [`slivers`] (tiny angles), [`uneven`] (tiny edges), [`needles`] (tiny or no area) |
+//! | few neighbours | [`studded`] (vertices of valence three) |
 //! | to be refused | [`moebius`] (one-sided), [`two_spheres`] (two components) |
 
 mod closed;
@@ -14,7 +15,7 @@ mod hard;
 mod open;
 
 pub use closed::{cube, ellipsoid, genus, icosphere, limb, octahedron, tetrahedron, torus};
-pub use hard::{Soup, moebius, slivers, two_spheres, uneven};
+pub use hard::{Soup, moebius, needles, slivers, studded, two_spheres, uneven};
 pub use open::{annulus, disc, plane, sphere_with_holes};
 
 use crate::mesh::{TriMesh, VertexId};

@@ -11,12 +11,14 @@ pub mod field;
 pub mod fixture;
 pub mod march;
 mod mug;
+mod pair;
 mod quadruped;
 mod random;
 mod remesh;
 mod solid;
 
 pub use mug::{doughnut, mug};
+pub use pair::{PairOptions, RandomPair, random_pair};
 pub use quadruped::{Quadruped, quadruped};
 pub use random::{SplitMix, random_landmarks};
 pub use solid::FEWEST_VERTICES;

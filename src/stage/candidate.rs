@@ -46,7 +46,11 @@ pub struct Candidate {
 pub fn candidates(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Vec<Candidate>> {
     let scouting =
         Scouting { meshes, set, units: meshes.map(|m| m.area().sqrt()), best: AtomicU64::new(f64::INFINITY.to_bits()) };
-    let leads = if meshes[0].conn.euler_characteristic() == 2 { 0..1 } else { 0..2 };
+    let leads = match meshes[0].conn.euler_characteristic() {
+        _ if !meshes[0].conn.is_closed_and_connected() => 0..0,
+        2 => 0..1,
+        _ => 0..2,
+    };
     let mut all: Vec<Result<Option<Candidate>>> = leads.into_par_iter().map(|k| scouting.grow(k).map(Some)).collect();
     let carried: Vec<Vec<Result<Option<Candidate>>>> = [0, 1].par_iter().map(|&k| scouting.carry_all(k)).collect();
     all.extend(carried.into_iter().flatten());

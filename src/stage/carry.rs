@@ -6,14 +6,15 @@
 //! postponed otherwise. When only postponed arcs are left, those that join or open a handle succeed, until every region
 //! is a disc and every remaining arc has one way to go: a layout always comes out.
 
-use super::trace::Traced;
+use super::trace::{Link, Traced};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, IdVec, LandmarkId, TriMesh, VertexId};
+use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
 use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed, rotation};
 use crate::path::rebuild::Upkeep;
+use crate::path::rim::rims;
 use crate::path::search::Searcher;
 use crate::path::side::Explorer;
 use crate::path::subcomplex::{Role, Subcomplex};
@@ -76,7 +77,8 @@ impl Carrier<'_> {
             postponed: 0,
             given_up: false,
         };
-        let mut left = order.to_vec();
+        self.lay_rims(&mut state)?;
+        let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| self.source.links[a] != Link::Rim).collect();
         for limit in [SWIRL, SWIRL_LATER] {
             self.sweep(&mut state, &mut left, limit);
         }
@@ -92,6 +94,20 @@ impl Carrier<'_> {
             }
         }
         Ok(Some(Carried { cut: state.cut, postponed: state.postponed }))
+    }
+
+    /// Lays the arcs along the boundary, which both meshes number alike.
+    fn lay_rims(&self, state: &mut State) -> Result<()> {
+        for (i, rim) in rims(self.mesh, self.landmarks).iter().enumerate() {
+            let arc = ArcId::new(i);
+            if self.source.base.arcs.raw.get(i) != Some(&rim.ends) {
+                return Err(Error::bug("the boundary loops carry different base vertices").at(arc));
+            }
+            rim.lay(&mut state.cut, arc);
+            state.length += rim.length(&state.cut) - self.least(arc);
+            state.placed.add(arc);
+        }
+        Ok(())
     }
 
     /// Tries every arc once; those that fail stay in `left`. Returns the last failure that was not a refusal.

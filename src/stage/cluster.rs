@@ -1,12 +1,13 @@
 //! Stage: base vertices and their clusters on both meshes (VORONOI 5.1).
 //!
 //! Base vertices are the landmarks and, behind them, auxiliary ones: the tips of limbs that both meshes have but no
-//! landmark pins, and points in wide empty places that seem to correspond. The former stay in the base complex; the
-//! latter only lead arcs around handles and limbs the same way on both meshes, and are taken out again.
+//! landmark pins, vertices on boundary loops that carry too few, and points in wide empty places that seem to correspond.
+//! The last only lead arcs around handles and limbs the same way on both meshes, and are taken out again.
 
 use crate::mesh::{TriMesh, VertexId};
 use crate::path::cluster::Clusters;
 use crate::path::extremity::matching_tips;
+use crate::path::loop_anchor::matching_anchors;
 use crate::path::partner::partners;
 
 /// Fewest vertices of a base complex on a sphere; on other surfaces one is enough.
@@ -36,11 +37,18 @@ impl BaseVertices {
 /// The sets of base vertices that layouts are tried with: without and with those that are taken out again.
 pub fn cluster(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Vec<BaseVertices> {
     let mut lasting = landmarks.map(<[VertexId]>::to_vec);
-    add(&mut lasting, matching_tips(meshes, landmarks));
+    let inside = |pair: &[VertexId; 2]| (0..2).all(|k| !meshes[k].conn.is_on_boundary(pair[k]));
+    add(&mut lasting, matching_tips(meshes, landmarks).into_iter().filter(inside));
+    let anchors = matching_anchors(meshes, lasting.each_ref().map(Vec::as_slice));
+    add(&mut lasting, anchors);
+    if !meshes[0].conn.is_closed_and_connected() {
+        let count = lasting[0].len();
+        return vec![BaseVertices::grow(meshes, lasting, count)];
+    }
     let fewest = if meshes[0].conn.euler_characteristic() == 2 { FEWEST_ON_SPHERE } else { 1 };
     let missing = fewest.saturating_sub(lasting[0].len());
     let pairs = partners(meshes, lasting.each_ref().map(Vec::as_slice), missing);
-    add(&mut lasting, pairs[..missing.min(pairs.len())].to_vec());
+    add(&mut lasting, pairs.iter().copied().take(missing));
     let count = lasting[0].len();
     let mut all = lasting.clone();
     add(&mut all, pairs);
@@ -52,7 +60,7 @@ pub fn cluster(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Vec<BaseVe
 }
 
 /// Adds pairs of vertices that are not base vertices yet.
-fn add(base_vertices: &mut [Vec<VertexId>; 2], pairs: Vec<[VertexId; 2]>) {
+fn add(base_vertices: &mut [Vec<VertexId>; 2], pairs: impl IntoIterator<Item = [VertexId; 2]>) {
     for pair in pairs {
         if (0..2).all(|k| !base_vertices[k].contains(&pair[k])) {
             (0..2).for_each(|k| base_vertices[k].push(pair[k]));

@@ -3,11 +3,12 @@
 //! Input: both meshes embedded in the base complex. Output: where every vertex of either mesh lies on the other, the arcs
 //! as curves, and what the certificate says.
 
+use super::check::Checked;
 use crate::error::Result;
 use crate::map::certificate::{Certificate, certify};
 use crate::map::embedding::{EmbeddedMesh, Embedding};
 use crate::map::surface_map::{Chart, SurfaceMap, compose as compose_one};
-use crate::mesh::{ArcId, IdVec, SurfacePoint, TriMesh};
+use crate::mesh::{ArcId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh};
 use crate::path::base_complex::BaseComplex;
 
 /// A finished map.
@@ -21,6 +22,34 @@ pub struct Composed {
     pub arcs: [IdVec<ArcId, Vec<SurfacePoint>>; 2],
     /// Why the map is a bijection.
     pub certificate: Certificate,
+}
+
+/// A certified map in terms of the files: their vertices, faces and landmarks by their own numbers.
+#[derive(Clone, Debug)]
+pub struct CertifiedMap {
+    /// The base complex; auxiliary vertices are numbered behind the landmarks.
+    pub base: BaseComplex,
+    /// Source to target, and target to source.
+    pub maps: [SurfaceMap; 2],
+    /// The arcs on either mesh, each from its first end to its second.
+    pub arcs: [IdVec<ArcId, Vec<SurfacePoint>>; 2],
+    /// Why the map is a bijection.
+    pub certificate: Certificate,
+}
+
+/// Leaves the canonical order in which the stages work.
+pub fn in_file_terms(checked: &Checked, composed: Composed) -> CertifiedMap {
+    let Composed { embedding: Embedding { mut base, .. }, mut maps, mut arcs, certificate } = composed;
+    let number = |l: LandmarkId| checked.landmark_order.get(l.index()).map_or(l, |&given| LandmarkId::new(given));
+    base.arcs.raw.iter_mut().for_each(|ends| *ends = ends.map(number));
+    let orders = [&checked.source.canonical, &checked.target.canonical];
+    for k in 0..2 {
+        let images = &maps[k].images;
+        let image = |v| images[orders[k].vertex(v)].map(|point| orders[1 - k].point_there(point));
+        maps[k].images = images.ids().map(image).collect();
+        arcs[k].raw.iter_mut().flatten().for_each(|point| *point = orders[k].point_there(*point));
+    }
+    CertifiedMap { base, maps, arcs, certificate }
 }
 
 /// Composes the map both ways and certifies it.
@@ -39,7 +68,7 @@ pub fn compose(meshes: [&TriMesh; 2], embedding: Embedding) -> Result<Composed> 
 
 fn curves(embedded: &EmbeddedMesh, base: &BaseComplex) -> IdVec<ArcId, Vec<SurfacePoint>> {
     let cut = &embedded.cut;
-    let curve = |(arc, ends): (ArcId, &[crate::mesh::LandmarkId; 2])| {
+    let curve = |(arc, ends): (ArcId, &[LandmarkId; 2])| {
         let starts = cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.origin[cut.conn.from(h)]);
         starts.chain([SurfacePoint::Vertex(cut.landmarks[ends[1]])]).collect()
     };

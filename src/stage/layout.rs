@@ -88,6 +88,9 @@ fn reroute(mesh: &TriMesh, cut: &mut CutMesh, base: &BaseComplex, edge_nodes: u3
     let mut lengths = cut.arc_lengths(&base.arcs);
     for _ in 0..REROUTE_SWEEPS {
         for (arc, ends) in base.arcs.iter_ids() {
+            if cut.is_rim(arc, ends[0]) {
+                continue;
+            }
             let corners = [false, true].map(|reversed| complete.corner_behind(DirectedArc { arc, reversed }));
             let old = cut.unmark(arc, ends[0]);
             match connect(cut, mesh, &mut searcher, corners) {

@@ -2,6 +2,7 @@
 
 use crate::Result;
 use crate::mesh::io::{Landmarks, MeshFile, read_landmarks, read_mesh};
+use crate::mesh::{TriMesh, VertexId};
 use std::path::PathBuf;
 
 /// The files of a pair.
@@ -24,16 +25,26 @@ pub struct Loaded {
     pub source: MeshFile,
     /// The target mesh.
     pub target: MeshFile,
-    /// The landmarks, all of them vertices of the meshes.
-    pub landmarks: Landmarks,
-    /// Where the landmarks come from, for messages.
-    pub landmarks_path: PathBuf,
+    /// The landmarks, all of them vertices of the meshes; or why they are none. A fault of the meshes counts for more,
+    /// so the check stage has the last word.
+    pub landmarks: Result<Landmarks>,
 }
 
-/// Reads a pair. If both meshes are unreadable, the error is the source's.
+impl Loaded {
+    /// A pair in memory; landmarks run in parallel and are named by number.
+    pub fn of(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Self {
+        let [source, target] = meshes.map(MeshFile::of);
+        let [on_source, on_target] = landmarks.map(<[VertexId]>::to_vec);
+        let names = (1..=on_source.len()).map(|i| format!("landmark {i}")).collect();
+        let landmarks = Landmarks { names, source: on_source, target: on_target, ..Landmarks::default() };
+        Loaded { source, target, landmarks: Ok(landmarks) }
+    }
+}
+
+/// Reads a pair; fails if a mesh is unreadable. If both are, the error is the source's.
 pub fn load(options: LoadOptions) -> Result<Loaded> {
     let (source, target) = rayon::join(|| read_mesh(&options.source), || read_mesh(&options.target));
     let (source, target) = (source?, target?);
-    let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target)?;
-    Ok(Loaded { source, target, landmarks, landmarks_path: options.landmarks })
+    let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target);
+    Ok(Loaded { source, target, landmarks })
 }

@@ -18,4 +18,5 @@ pub mod relax;
 pub mod stretch;
 pub mod take_out;
 pub mod trace;
+pub mod untangle;
 pub mod write;

@@ -15,12 +15,15 @@ use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::{Regions, base_complex, walk_along};
+use crate::path::rim::rims;
 use crate::path::search::{Passage, Path, Searcher, Terminal};
 use crate::path::side::Explorer;
 
 /// How an arc came about; decides when it is carried over to the target (VORONOI, procedure 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
+    /// Along a boundary loop; given, not traced, and first in number.
+    Rim,
     /// Through a cut between two clusters.
     Cut,
     /// Joins parts of a region, opens a handle, or halves a region with more than three sides.
@@ -53,6 +56,7 @@ pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_n
         links: IdVec::default(),
         lengths: IdVec::default(),
     };
+    tracer.lay_rims(landmarks);
     tracer.link_through_cuts(clusters)?;
     while tracer.split_one_region()? {}
     let Tracer { cut, arcs, links, lengths, .. } = tracer;
@@ -94,6 +98,16 @@ impl Tracer<'_> {
             self.note(ends, Link::Cut, path.length);
         }
         Ok(())
+    }
+
+    /// Lays the arcs along the boundary.
+    fn lay_rims(&mut self, landmarks: &[VertexId]) {
+        for rim in rims(self.mesh, landmarks) {
+            let arc = self.arcs.push(rim.ends);
+            self.links.push(Link::Rim);
+            self.lengths.push(rim.length(&self.cut));
+            rim.lay(&mut self.cut, arc);
+        }
     }
 
     /// True if left of a half-edge with an arc lies an empty disc with one or two sides: no triangle can fill it.

@@ -6,7 +6,7 @@ pub mod points_csv;
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;
-use crate::map::file_order::Onto;
+use crate::map::file_order::{Onto, number_in_file};
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
 use crate::map::product::{Product, Side};
 use crate::map::report::{Report, peak_bytes};
@@ -37,8 +37,8 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
 fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> Result<()> {
     let positions = side.image_positions(other);
     let triangles = other.file.triangles();
-    let onto = Onto { mesh: other.mesh, triangles: &triangles };
-    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, side.file, &positions.raw))?;
+    let onto = Onto { mesh: other.mesh, triangles: &triangles, omitted: other.omitted };
+    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, folder.place(), side.file, &positions.raw))?;
     folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, onto))
 }
 
@@ -61,7 +61,7 @@ fn layout_file(product: &Product) -> LayoutFile {
 }
 
 fn side_arcs(side: &Side) -> Vec<Polyline> {
-    polylines(side.arcs, Onto { mesh: side.mesh, triangles: &side.file.triangles() })
+    polylines(side.arcs, Onto { mesh: side.mesh, triangles: &side.file.triangles(), omitted: side.omitted })
 }
 
 fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
@@ -93,7 +93,8 @@ const NAMED_FLIPS: usize = 5;
 /// A map that does not fold can still have turned-over samples.
 fn flip_warning(file: &str, side: &Side, flips: &[FaceId]) -> Option<String> {
     let polygons = side.file.triangle_polygons();
-    let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| polygons[f.index()].to_string()).collect();
+    let polygon = |&f: &FaceId| polygons[number_in_file(f, side.omitted).index()];
+    let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| polygon(f).to_string()).collect();
     if flips.len() > names.len() {
         names.push("...".to_owned());
     }

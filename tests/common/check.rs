@@ -76,7 +76,7 @@ pub fn arcs(cut: &CutMesh, base: &BaseComplex) {
             assert!(cut.is_blocked(v));
             assert_eq!(taken[v.index()].replace(arc), None, "{arc} meets an arc at {v}");
         }
-        marked += 2 * path.len();
+        marked += path.iter().map(|&h| 1 + usize::from(cut.conn.twin(h).is_some())).sum::<usize>();
     }
     let carrying = cut.conn.halfedges().filter(|&h| cut.arc_at(h).is_some()).count();
     assert_eq!(carrying, marked, "half-edges that carry an arc without being part of its chain");
@@ -89,9 +89,10 @@ pub fn arcs(cut: &CutMesh, base: &BaseComplex) {
 /// Euler's counts, the same rotation system on both meshes, arcs that do not cross, and nothing but the arcs changed.
 pub fn layout(layout: &Layout, meshes: &[TriMesh; 2]) {
     let base = &layout.base;
-    let euler = meshes[0].conn.euler_characteristic();
-    assert_eq!(base.arcs.len() as i64, 3 * (base.landmarks as i64 - euler), "arcs");
-    assert_eq!(base.patches.len() as i64, 2 * (base.landmarks as i64 - euler), "patches");
+    let rims = base.arcs.iter_ids().filter(|(arc, ends)| layout.cuts[0].is_rim(*arc, ends[0])).count() as i64;
+    let inner = base.landmarks as i64 - meshes[0].conn.euler_characteristic();
+    assert_eq!(base.arcs.len() as i64, 3 * inner - rims, "arcs");
+    assert_eq!(base.patches.len() as i64, 2 * inner - rims, "patches");
     for (cut, mesh) in layout.cuts.iter().zip(meshes) {
         cut_mesh(cut, mesh);
         arcs(cut, base);

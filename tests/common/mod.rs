@@ -2,5 +2,6 @@
 #![allow(dead_code)] // every test crate takes only what it needs
 
 pub mod check;
+pub mod job;
 pub mod mesh;
 pub mod run;

@@ -1,6 +1,6 @@
 //! Measures of a sound mesh: components, genus, boundary loops, and what is odd about its positions.
 
-use super::report::{BoundaryLoop, Component, Report, Warning};
+use super::report::{BoundaryLoop, Component, Fault, Report, Warning};
 use crate::mesh::{FaceId, IdVec, TriMesh, VertexId, face_of};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -9,8 +9,16 @@ use rayon::prelude::*;
 /// decimal text leave collinear corners about 1e-16 off; far larger values would name thin but usable faces.
 const NO_AREA: f64 = 1e-12;
 
-/// Fills in everything that needs a manifold.
-pub fn measure(mesh: &TriMesh, report: &mut Report) {
+/// Areas whose squares neither vanish nor overflow; beyond them no measure of a map can be computed.
+const AREAS: std::ops::RangeInclusive<f64> = 1e-140..=1e140;
+
+/// A closed component is inside out if its volume is below minus this share of what a surface of its area could hold;
+/// flat ones have a volume of either sign by rounding.
+const INSIDE_OUT: f64 = 1e-9;
+
+/// Fills in everything that needs a manifold, faults of size included; returns the faces of components that are inside
+/// out.
+pub fn measure(mesh: &TriMesh, report: &mut Report) -> Vec<FaceId> {
     let label = mesh.conn.components();
     report.components = components(mesh, &label);
     report.boundary_loops = boundary_loops(mesh, &label);
@@ -25,11 +33,24 @@ pub fn measure(mesh: &TriMesh, report: &mut Report) {
         }
     }
     report.genus = report.components.iter().map(|c| c.genus).sum();
-    let inside_out = |(component, c): (usize, &Component)| {
-        let volume = c.volume.filter(|&v| v < 0.0)?;
-        Some(Warning::InsideOut { component, volume })
+    report.faults.extend(sizeless(mesh, &label, &report.components));
+    let negative = |c: &Component| c.volume.filter(|&v| v < -INSIDE_OUT * c.area.powf(1.5));
+    let warning = |(component, c)| Some(Warning::InsideOut { component, volume: negative(c)? });
+    report.warnings.extend(report.components.iter().enumerate().filter_map(warning));
+    label.iter_ids().filter(|&(_, &c)| negative(&report.components[c as usize]).is_some()).map(|(f, _)| f).collect()
+}
+
+/// The components without area, or of a size that cannot be computed with.
+fn sizeless(mesh: &TriMesh, label: &IdVec<FaceId, u32>, components: &[Component]) -> Vec<Fault> {
+    let mut solid = vec![false; components.len()];
+    for (f, &c) in label.iter_ids() {
+        solid[c as usize] |= has_area(mesh.triangle(f));
+    }
+    let fault = |(component, c): (usize, &Component)| {
+        let sized = solid[component] && AREAS.contains(&c.area);
+        (!sized).then_some(Fault::NoArea { component, face: c.first_face, area: c.area })
     };
-    report.warnings.extend(report.components.iter().enumerate().filter_map(inside_out));
+    components.iter().enumerate().filter_map(fault).collect()
 }
 
 fn components(mesh: &TriMesh, label: &IdVec<FaceId, u32>) -> Vec<Component> {

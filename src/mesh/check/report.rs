@@ -58,6 +58,15 @@ pub enum Fault {
         /// Number of fans.
         fans: usize,
     },
+    /// A component whose faces have no area, or coordinates of a size at which areas can no longer be computed.
+    NoArea {
+        /// The component.
+        component: usize,
+        /// Its first face.
+        face: FaceId,
+        /// What its faces' areas add up to.
+        area: f64,
+    },
     /// A component has one side only, like a Moebius band: no choice of orientations agrees everywhere.
     NotOrientable {
         /// An edge where the two faces disagree when all others agree.
@@ -88,7 +97,7 @@ pub enum Warning {
         /// The first such pair.
         first: [VertexId; 2],
     },
-    /// A closed component whose faces look inwards.
+    /// A closed component whose faces look inwards; they are turned over.
     InsideOut {
         /// The component.
         component: usize,
@@ -166,7 +175,7 @@ pub struct Report {
     pub genus: Option<i64>,
     /// Faces that had to be turned over to agree with their neighbours: corners 1 and 2 swapped.
     pub flipped: Vec<FaceId>,
-    /// The repaired mesh, if there is no fault and nobody took it.
+    /// The repaired mesh, with faces turned to agree and to look outwards, if there is no fault and nobody took it.
     #[serde(skip)]
     pub(super) mesh: Option<TriMesh>,
 }
@@ -182,8 +191,15 @@ impl Report {
             0 => String::new(),
             n => format!("; and {n} more"),
         };
-        Err(Error::input(format!("not an orientable manifold: {}{more}", named.join("; ")))
-            .remedy("repair the mesh; `homeo check` lists all faults"))
+        let error = Error::input(format!("not a sound manifold: {}{more}", named.join("; ")));
+        let error = error.remedy("repair the mesh; `homeo check` lists all faults");
+        let pieces = self.components.len();
+        Err(if pieces > 1 { error.at(format_args!("in {pieces} components")) } else { error })
+    }
+
+    /// The repaired mesh, unless there is a fault or somebody took it.
+    pub fn mesh(&self) -> Option<&TriMesh> {
+        self.mesh.as_ref()
     }
 
     /// True if there is no boundary (and no fault).
@@ -216,6 +232,9 @@ impl fmt::Display for Fault {
                 write!(f, "edge {}-{} belongs to {} faces: {}", a.0, b.0, faces.len(), numbers(faces))
             }
             Fault::NonManifoldVertex { vertex, fans } => write!(f, "the faces at {vertex} form {fans} separate fans"),
+            Fault::NoArea { component, face, area } => {
+                write!(f, "component {component}, from {face} on, has the area {area:e}")
+            }
             Fault::NotOrientable { vertices: [a, b], faces: [p, q] } => {
                 write!(f, "one-sided surface: {p} and {q} cannot agree at edge {}-{}", a.0, b.0)
             }
@@ -238,7 +257,7 @@ impl fmt::Display for Warning {
                 write!(f, "{count} at the position of another, first {b} at that of {a}")
             }
             Warning::InsideOut { component, volume } => {
-                write!(f, "component {component} is inside out (volume {volume:.6})")
+                write!(f, "component {component} is inside out (volume {volume:.6}): its faces are turned over")
             }
         }
     }

@@ -1,6 +1,6 @@
 //! What a mesh file holds, in the order of the file: nothing renumbered, dropped or merged.
 
-use crate::mesh::VertexId;
+use crate::mesh::{TriMesh, VertexId};
 use crate::{Error, Result};
 use glam::{DVec2, DVec3};
 use std::path::PathBuf;
@@ -96,6 +96,13 @@ pub struct MeshFile {
 }
 
 impl MeshFile {
+    /// What a file of this mesh would hold, without a path.
+    pub fn of(mesh: &TriMesh) -> Self {
+        let corners: Vec<VertexId> = mesh.faces().into_iter().flatten().collect();
+        let offsets = (0..=corners.len() as u32).step_by(3).collect();
+        MeshFile { positions: mesh.positions.raw.clone(), offsets, corners, ..MeshFile::default() }
+    }
+
     /// Number of polygons.
     pub fn polygon_count(&self) -> usize {
         self.offsets.len().saturating_sub(1)

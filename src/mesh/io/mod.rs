@@ -3,18 +3,21 @@
 //! The readers are strict: whatever is not understood is an error that names file, place and remedy, and what comes out
 //! has the vertices of the file in their order. The format is chosen by extension, then by content.
 
+mod gltf;
 pub mod landmarks;
+mod library_path;
 pub mod materials;
 pub mod mesh_file;
 mod obj;
 mod obj_block;
 pub mod obj_write;
 mod off;
+mod off_binary;
 mod ply;
 mod scan;
 mod stl;
 
-pub use landmarks::{Landmarks, read_landmarks};
+pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
 pub use obj_write::write_obj;
 
@@ -25,26 +28,28 @@ use std::path::Path;
 /// The mesh formats.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Format {
+    Gltf,
     Obj,
     Off,
     Ply,
     Stl,
 }
 
-/// Reads a mesh file: OBJ, OFF, PLY or STL.
+/// Reads a mesh file: OBJ, OFF, PLY, STL or glTF.
 pub fn read_mesh(path: &Path) -> Result<MeshFile> {
     let bytes = read_bytes(path)?;
     let parsed = parse_mesh(path, &bytes).map_err(|e| e.file(path))?;
     Ok(MeshFile { path: path.to_owned(), ..parsed })
 }
 
-/// Parses the bytes of a mesh file; `path` only serves to choose the format.
+/// Parses the bytes of a mesh file; `path` serves to choose the format and to find a glTF file's buffers.
 pub fn parse_mesh(path: &Path, bytes: &[u8]) -> Result<MeshFile> {
     if bytes.trim_ascii().is_empty() {
         return Err(Error::input("the file is empty").remedy("export the mesh again"));
     }
     let text = plain_text(bytes)?;
     let mesh = match format_of(path, text)? {
+        Format::Gltf => gltf::parse(path, text),
         Format::Obj => obj::parse(text),
         Format::Off => off::parse(text),
         Format::Ply => ply::parse(text),
@@ -70,16 +75,21 @@ fn plain_text(bytes: &[u8]) -> Result<&[u8]> {
 fn format_of(path: &Path, bytes: &[u8]) -> Result<Format> {
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
     match extension.as_deref() {
+        Some("gltf" | "glb") => Ok(Format::Gltf),
         Some("obj") => Ok(Format::Obj),
         Some("off" | "coff" | "noff" | "cnoff") => Ok(Format::Off),
         Some("ply") => Ok(Format::Ply),
         Some("stl" | "stla" | "stlb") => Ok(Format::Stl),
-        _ => format_by_content(bytes)
-            .ok_or_else(|| Error::input("unknown mesh format").remedy("use OBJ, OFF, PLY or STL, with that extension")),
+        _ => format_by_content(bytes).ok_or_else(|| {
+            Error::input("unknown mesh format").remedy("use OBJ, OFF, PLY, STL or glTF, with that extension")
+        }),
     }
 }
 
 fn format_by_content(bytes: &[u8]) -> Option<Format> {
+    if gltf::is_binary(bytes) || gltf::is_document(bytes) {
+        return Some(Format::Gltf);
+    }
     if stl::is_binary(bytes) {
         return Some(Format::Stl);
     }

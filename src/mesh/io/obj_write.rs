@@ -1,20 +1,22 @@
 //! Wavefront OBJ writer: the connectivity of a file that was read, at new positions.
 
+use super::library_path::library_from;
 use super::mesh_file::MeshFile;
 use glam::DVec3;
 use std::io::{BufWriter, Result, Write};
+use std::path::Path;
 
 /// Written for a vertex whose faces have no area, where any direction is as good.
 const ANY_NORMAL: DVec3 = DVec3::Z;
 
 /// Writes `mesh` with `positions`, one per vertex, in place of its own: same vertices, polygons, texture coordinates and groups.
 ///
-/// Numbers are the shortest that read back to the same value. Normals are written if `mesh` has some: one per vertex,
+/// Material libraries are named as seen from `folder`, where the file is to lie. Numbers are the shortest that read back to the same value. Normals are written if `mesh` has some: one per vertex,
 /// the area-weighted mean over its polygons at the new positions.
-pub fn write_obj(out: &mut impl Write, mesh: &MeshFile, positions: &[DVec3]) -> Result<()> {
+pub fn write_obj(out: &mut impl Write, folder: &Path, mesh: &MeshFile, positions: &[DVec3]) -> Result<()> {
     let mut out = BufWriter::new(out);
     for name in &mesh.material_libraries {
-        writeln!(out, "mtllib {name}")?;
+        writeln!(out, "mtllib {}", library_from(folder, &mesh.path, name))?;
     }
     for p in positions {
         writeln!(out, "v {} {} {}", p.x, p.y, p.z)?;

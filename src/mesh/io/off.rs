@@ -1,8 +1,9 @@
-//! Object File Format (OFF) reader, ASCII, with the optional normals (N), colours (C) and texture coordinates (ST).
+//! Object File Format (OFF) reader, ASCII and binary, with the optional normals (N), colours (C) and texture coordinates (ST).
 //!
 //! Source: Geomview manual, "OFF: Object File Format".
 
 use super::mesh_file::MeshFile;
+use super::off_binary;
 use super::scan::{Scanned, Scanner};
 use crate::Result;
 use glam::{DVec2, DVec3};
@@ -13,15 +14,22 @@ const MOST_EXTRA: usize = 9;
 const CUT: &str = "the file is cut short: export it again";
 
 /// What the prefix of the keyword promises for every vertex.
-struct Header {
-    texture: bool,
-    normals: bool,
+pub(super) struct Header {
+    pub texture: bool,
+    pub colors: bool,
+    pub normals: bool,
 }
 
 /// Parses an OFF file.
 pub(super) fn parse(bytes: &[u8]) -> Result<MeshFile> {
     let mut scan = Scanner::new(bytes);
     let header = parse_header(&mut scan)?;
+    if scan.peek_field() == Some(b"BINARY") {
+        scan.field();
+        scan.end_line("BINARY")?;
+        scan.take(b'\n');
+        return off_binary::parse(bytes, scan.position(), &header);
+    }
     expect_line(&mut scan, "the counts")?;
     let vertices = scan.count("vertex count")?;
     let faces = scan.count("face count")?;
@@ -54,12 +62,12 @@ fn parse_header(scan: &mut Scanner) -> Scanned<Header> {
         return Err(scan.malformed("the file does not start with OFF", "is this an OFF file?"));
     };
     let (texture, rest) = strip(prefix, b"ST");
-    let (_, rest) = strip(rest, b"C");
+    let (colors, rest) = strip(rest, b"C");
     let (normals, rest) = strip(rest, b"N");
-    if !rest.is_empty() || scan.peek_field() == Some(b"BINARY") {
-        return Err(scan.malformed("this kind of OFF is not supported", "export it as ASCII OFF in three dimensions"));
+    if !rest.is_empty() {
+        return Err(scan.malformed("this kind of OFF is not supported", "export it as OFF in three dimensions"));
     }
-    Ok(Header { texture, normals })
+    Ok(Header { texture, colors, normals })
 }
 
 fn strip<'a>(text: &'a [u8], prefix: &[u8]) -> (bool, &'a [u8]) {

@@ -69,6 +69,11 @@ impl CutMesh {
         }
     }
 
+    /// True if an arc, given by its number and its first end, runs along the boundary.
+    pub fn is_rim(&self, arc: ArcId, first: LandmarkId) -> bool {
+        self.arc_path(arc, first).first().is_some_and(|&h| self.conn.twin(h).is_none())
+    }
+
     /// The half-edges of an arc from its first end to its second.
     pub fn arc_path(&self, arc: ArcId, first: LandmarkId) -> Vec<HalfedgeId> {
         let wanted = Some(DirectedArc { arc, reversed: false });

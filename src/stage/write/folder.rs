@@ -52,6 +52,11 @@ impl OutputFolder {
         Ok(OutputFolder { finished, temporary, committed: false })
     }
 
+    /// Where the folder will appear.
+    pub fn place(&self) -> &Path {
+        &self.finished
+    }
+
     /// Writes one file of the folder, `name` relative with `/` between folders, and flushes it to the disk.
     pub fn write(&self, name: &str, fill: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<()> {
         let path = self.temporary.join(name);

@@ -55,7 +55,8 @@ fn parse_row(line: &str, vertices: usize, onto: Onto) -> std::result::Result<(Ve
     let b: Option<[f64; 3]> = b.and_then(|b| b.try_into().ok());
     let b = b.ok_or("three barycentric coordinates from 0 to 1 are due")?;
     if (b.iter().sum::<f64>() - 1.0).abs() <= SUM_TOLERANCE {
-        Ok((VertexId::new(vertex), onto.from_file_order(FaceId::new(face), b)))
+        let point = onto.from_file_order(FaceId::new(face), b);
+        Ok((VertexId::new(vertex), point.ok_or_else(|| format!("face {f} is left out of the map"))?))
     } else {
         Err("the barycentric coordinates do not sum to one".into())
     }

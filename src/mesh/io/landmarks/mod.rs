@@ -13,11 +13,13 @@ use crate::mesh::VertexId;
 use crate::{Error, Result};
 use place::{Entry, PointFile};
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Landmarks of a pair of meshes; the three lists run in parallel.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Landmarks {
+    /// Where they were read from: both meshes' or the source's.
+    pub path: PathBuf,
     /// Names, all different.
     pub names: Vec<String>,
     /// Vertices of the source, all different.
@@ -41,22 +43,35 @@ pub fn read_landmarks(
     source: &MeshFile,
     target: &MeshFile,
 ) -> Result<Landmarks> {
+    let bytes = super::read_bytes(path)?;
+    let others = target_path.map(super::read_bytes).transpose()?;
+    parse_landmarks((path, &bytes), target_path.zip(others.as_deref()), source, target)
+}
+
+/// The same for files in memory: each with its path, which only errors and notes speak of, and its content.
+pub fn parse_landmarks(
+    (path, bytes): (&Path, &[u8]),
+    other: Option<(&Path, &[u8])>,
+    source: &MeshFile,
+    target: &MeshFile,
+) -> Result<Landmarks> {
     let mut notes = Vec::new();
-    let [from, to] = match target_path {
-        None => table::read_pairs(path, &read_text(path)?).map_err(|e| e.file(path))?,
-        Some(other) => [read_points(path)?, read_points(other)?],
+    let [from, to] = match other {
+        None => table::read_pairs(path, text_of(path, bytes)?).map_err(|e| e.file(path))?,
+        Some((other, others)) => [parse_points(path, bytes)?, parse_points(other, others)?],
     };
     let from = find_vertices(from, source, "source", &mut notes)?;
     let to = find_vertices(to, target, "target", &mut notes)?;
-    let order = match target_path {
+    let order = match other {
         None => (0..to.len()).collect(),
-        Some(other) => match_points(path, &from, other, &to, &mut notes)?,
+        Some((other, _)) => match_points(path, &from, other, &to, &mut notes)?,
     };
     let name = |(i, f): (usize, &Found)| {
         let label = f.entry.name.clone().or_else(|| to[order[i]].entry.name.clone());
         label.unwrap_or_else(|| format!("landmark {}", i + 1))
     };
     Ok(Landmarks {
+        path: path.to_owned(),
         names: from.iter().enumerate().map(name).collect(),
         source: from.iter().map(|f| f.vertex).collect(),
         target: order.iter().map(|&j| to[j].vertex).collect(),
@@ -64,27 +79,25 @@ pub fn read_landmarks(
     })
 }
 
-/// Reads a file of points of one mesh, in whatever format it is.
-fn read_points(path: &Path) -> Result<PointFile> {
-    let content = read_text(path)?;
+/// Parses a file of points of one mesh, in whatever format it is.
+fn parse_points(path: &Path, bytes: &[u8]) -> Result<PointFile> {
+    let content = text_of(path, bytes)?;
     let head = content.trim_start();
     let parse = match head.chars().next() {
         Some('{' | '[') => json::parse,
         Some('<') => text::parse_pp,
         Some('#') if head.starts_with("# Markups") => text::parse_fcsv,
-        _ if text::is_index_list(&content) => text::parse_index_list,
+        _ if text::is_index_list(content) => text::parse_index_list,
         _ => table::read_points,
     };
-    let points = parse(&content).map_err(|e| e.file(path))?;
+    let points = parse(content).map_err(|e| e.file(path))?;
     Ok(PointFile { path: path.to_owned(), ..points })
 }
 
-fn read_text(path: &Path) -> Result<String> {
-    let bytes = super::read_bytes(path)?;
-    let text = super::plain_text(&bytes).map_err(|e| e.file(path))?;
-    let text = std::str::from_utf8(text)
-        .map_err(|_| Error::input("the landmark file is not UTF-8 text").file(path).remedy("save it as UTF-8"))?;
-    Ok(text.to_owned())
+fn text_of<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str> {
+    let text = super::plain_text(bytes).map_err(|e| e.file(path))?;
+    std::str::from_utf8(text)
+        .map_err(|_| Error::input("the landmark file is not UTF-8 text").file(path).remedy("save it as UTF-8"))
 }
 
 /// Finds the vertices of all points and refuses equal names and equal vertices.
