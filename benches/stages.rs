@@ -6,7 +6,7 @@ use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_ma
 use homeo::gpu::Compute;
 use homeo::mesh::{TriMesh, VertexId};
 use homeo::shape::DEMO_PAIRS;
-use homeo::stage::cluster::Clustered;
+use homeo::stage::cluster::BaseVertices;
 use homeo::stage::relax::{RelaxOptions, relax_arcs};
 use homeo::stage::{cluster, compose, embed, layout, stretch, trace};
 use std::hint::black_box;
@@ -40,12 +40,12 @@ fn stages(c: &mut Criterion) {
             group.bench_function(BenchmarkId::from_parameter(size), |b| b.iter(&mut *run));
         };
         bench("cluster", &mut || drop(black_box(cluster::cluster(meshes, landmarks))));
-        let Clustered { base_vertices, clusters } = cluster::cluster(meshes, landmarks);
-        let vertices = [&base_vertices[0][..], &base_vertices[1][..]];
-        let traced = || trace::trace(meshes[0], vertices[0], &clusters[0], EDGE_NODES).expect("arcs are traced");
+        let sets = cluster::cluster(meshes, landmarks);
+        let BaseVertices { vertices, clusters, .. } = &sets[0];
+        let traced = || trace::trace(meshes[0], &vertices[0], &clusters[0], EDGE_NODES).expect("arcs are traced");
         bench("trace", &mut || drop(black_box(traced())));
         let laid_out = || {
-            let layouts = layout::layouts(meshes, vertices, &clusters, EDGE_NODES, 1);
+            let layouts = layout::layouts(meshes, &sets, EDGE_NODES, 1);
             layouts.expect("a pair of genus 0 has a layout").swap_remove(0)
         };
         bench("layout", &mut || drop(black_box(laid_out())));

@@ -51,9 +51,11 @@
 //! # Why there always is a layout
 //!
 //! After every arc both meshes have the same *region structure*: for each region its boundary walks, the landmarks
-//! inside and its genus. An arc that joins two boundary components or loose landmarks cannot block another one. An arc
-//! that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise. When only
-//! postponed arcs are left, the joining ones go first; then every region is a disc, in which each arc has one way to go.
+//! inside and its genus. An arc that joins two boundary walks or loose landmarks cannot block another one, nor can an arc
+//! that opens a handle: a shortest path that crosses some closed curve an odd number of times, so that it does not
+//! separate. An arc that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise.
+//! When only postponed arcs are left, joining ones go first, then those that open a handle; then every region is a disc,
+//! in which each arc has one way to go.
 //! Boundary loops carry arcs before any other is traced ([`path::rim`]), so they are walks like the others.
 //!
 //! # Glossary

@@ -137,7 +137,7 @@ fn one_thread_and_two_give_the_same_layout() {
         pool.install(|| pair.layout()).expect("a layout")
     });
     assert_eq!(one.base, two.base);
-    assert_eq!(one.order, two.order);
+    assert_eq!(one.way, two.way);
     for (a, b) in one.cuts.iter().zip(&two.cuts) {
         assert_eq!(a.positions, b.positions);
         assert_eq!(

@@ -14,7 +14,7 @@ use homeo::path::rim::rims;
 use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
 use homeo::shape::fixture::{annulus, disc, icosphere, sphere_with_holes, torus};
 use homeo::shape::random_landmarks;
-use homeo::stage::cluster::cluster;
+use homeo::stage::cluster::{BaseVertices, cluster};
 use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::layout::layouts;
@@ -23,12 +23,11 @@ use homeo::stage::relax::{RelaxOptions, relax_arcs};
 /// Maps a pair and checks the layout, the certificate, the images, the landmarks and the boundaries.
 fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     let both = [&meshes[0], &meshes[1]];
-    let clustered = cluster(both, [&landmarks[0], &landmarks[1]]);
-    let base_vertices = [clustered.base_vertices[0].as_slice(), &clustered.base_vertices[1]];
-    let layout = layouts(both, base_vertices, &clustered.clusters, 3, 1).expect("a layout").remove(0);
+    let sets = cluster(both, [&landmarks[0], &landmarks[1]]);
+    let layout = layouts(both, &sets, 3, 1).expect("a layout").remove(0);
     check::layout(&layout, &meshes);
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
-    relax_arcs(both, &mut embedding, &RelaxOptions { rounds: 1, ..RelaxOptions::default() }).expect("a relaxed map");
+    relax_arcs(both, &mut embedding, &RelaxOptions::trial()).expect("a relaxed map");
     check::embedding(&embedding, &meshes);
     let composed = compose(both, embedding).expect("a map");
     assert!(composed.certificate.bijective, "{:?}", composed.certificate);
@@ -266,7 +265,7 @@ fn base_vertices_in_another_order_around_a_loop_give_no_layout() {
     let meshes = [disc(4), disc(4)];
     let at = |turns: f64| at_rim(&meshes[0], turns);
     let landmarks = [vec![at(0.0), at(0.3), at(0.6)], vec![at(0.3), at(0.0), at(0.6)]];
-    let clustered = cluster([&meshes[0], &meshes[1]], [&landmarks[0], &landmarks[1]]);
-    let error = layouts([&meshes[0], &meshes[1]], [&landmarks[0], &landmarks[1]], &clustered.clusters, 3, 1);
+    let set = BaseVertices::grow([&meshes[0], &meshes[1]], landmarks, 3);
+    let error = layouts([&meshes[0], &meshes[1]], &[set], 3, 1);
     assert_eq!(error.err().map(|e| e.kind), Some(ErrorKind::Bug), "the check stage refuses such pairs by name");
 }

@@ -5,10 +5,10 @@ use homeo::gpu::{Compute, Device, DeviceChoice, REQUIRE_GPU};
 use homeo::map::certificate::certify;
 use homeo::map::embedding::Embedding;
 use homeo::mesh::{PatchId, TriMesh};
-use homeo::path::cluster::Clusters;
 use homeo::plane::convex::is_embedded;
 use homeo::plane::stretch::{e_l2, patch_stretch};
 use homeo::shape::{fixture, random_landmarks};
+use homeo::stage::cluster::BaseVertices;
 use homeo::stage::embed::embed;
 use homeo::stage::layout::layouts;
 use homeo::stage::stretch::stretch;
@@ -17,9 +17,9 @@ use homeo::stage::stretch::stretch;
 fn embedded() -> Embedding {
     let meshes = [fixture::icosphere(3), fixture::ellipsoid(DVec3::new(2.5, 1.0, 0.6), 3)];
     let landmarks = random_landmarks(&meshes[0], 8, 3);
-    let (meshes, landmarks): ([&TriMesh; 2], _) = (meshes.each_ref(), [&landmarks[..]; 2]);
-    let clusters = [0, 1].map(|k| Clusters::grow(meshes[k], landmarks[k]));
-    let layout = layouts(meshes, landmarks, &clusters, 3, 1).expect("spheres have a layout").swap_remove(0);
+    let meshes: [&TriMesh; 2] = meshes.each_ref();
+    let set = BaseVertices::grow(meshes, [landmarks.clone(), landmarks], 8);
+    let layout = layouts(meshes, &[set], 3, 1).expect("spheres have a layout").swap_remove(0);
     embed(meshes, layout).expect("patches embed").0
 }
 

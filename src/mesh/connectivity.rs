@@ -287,6 +287,11 @@ impl Connectivity {
         loops
     }
 
+    /// True for a surface without boundary and in one piece.
+    pub fn is_closed_and_connected(&self) -> bool {
+        self.halfedges().all(|h| self.twin(h).is_some()) && self.components().iter().all(|&c| c == 0)
+    }
+
     /// The connected component of every face, numbered by first face.
     pub fn components(&self) -> IdVec<FaceId, u32> {
         let mut label = IdVec::filled(u32::MAX, self.face_count());

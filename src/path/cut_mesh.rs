@@ -6,11 +6,12 @@
 
 use crate::error::{Error, Result};
 use crate::mesh::{
-    ArcId, Connectivity, FaceId, HalfedgeId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, face_of, next,
-    prev,
+    Connectivity, FaceId, HalfedgeId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId, face_of, next, prev,
 };
 use crate::path::base_complex::DirectedArc;
 use glam::DVec3;
+
+mod arcs;
 
 /// Upper bound on the edge nodes of one edge: more would slow the search without shortening any path noticeably.
 const MAX_NODES: f64 = 12.0;
@@ -319,70 +320,5 @@ impl CutMesh {
             self.spread_nodes(h, scale);
         }
         m
-    }
-
-    /// Lets `arc` run along `h`.
-    pub fn mark(&mut self, h: HalfedgeId, arc: DirectedArc) {
-        self.arc_at[h] = Some(arc);
-        if let Some(t) = self.conn.twin(h) {
-            self.arc_at[t] = Some(arc.flipped());
-        }
-        self.blocked[self.conn.from(h)] = true;
-        let to = self.conn.to(h);
-        self.blocked[to] = true;
-    }
-
-    /// Takes an arc, given by its number and its first end, off the mesh; returns the vertices it passed.
-    ///
-    /// The vertices it made stay, as ordinary ones.
-    pub fn unmark(&mut self, arc: ArcId, first: LandmarkId) -> Vec<VertexId> {
-        let path = self.arc_path(arc, first);
-        for &h in &path {
-            for side in [Some(h), self.conn.twin(h)].into_iter().flatten() {
-                self.arc_at[side] = None;
-            }
-            for v in [self.conn.from(h), self.conn.to(h)] {
-                self.blocked[v] = self.landmark_at[v].is_some();
-            }
-        }
-        let start = path.first().map(|&h| self.conn.from(h));
-        start.into_iter().chain(path.iter().map(|&h| self.conn.to(h))).collect()
-    }
-
-    /// Lets `arc` run along the edges between the vertices.
-    pub fn mark_along(&mut self, vertices: &[VertexId], arc: ArcId) -> Result<()> {
-        for ends in vertices.windows(2) {
-            let h = self.conn.find(ends[0], ends[1]);
-            let h = h.ok_or_else(|| Error::bug("an arc runs where no edge is").at(format!("{arc} at {}", ends[0])))?;
-            self.mark(h, DirectedArc { arc, reversed: false });
-        }
-        Ok(())
-    }
-
-    /// Exchanges the two ends of an arc; they must be one landmark.
-    pub fn reverse(&mut self, arc: ArcId, end: LandmarkId) {
-        for h in self.arc_path(arc, end) {
-            self.mark(h, DirectedArc { arc, reversed: true });
-        }
-    }
-
-    /// True if an arc, given by its number and its first end, runs along the boundary.
-    pub fn is_rim(&self, arc: ArcId, first: LandmarkId) -> bool {
-        self.arc_path(arc, first).first().is_some_and(|&h| self.conn.twin(h).is_none())
-    }
-
-    /// The half-edges of an arc from its first end to its second.
-    pub fn arc_path(&self, arc: ArcId, first: LandmarkId) -> Vec<HalfedgeId> {
-        let wanted = Some(DirectedArc { arc, reversed: false });
-        let mut at = self.landmarks[first];
-        let mut path: Vec<HalfedgeId> = Vec::new();
-        while let Some(h) = self.conn.outgoing(at).find(|&h| self.arc_at[h] == wanted) {
-            path.push(h);
-            at = self.conn.to(h);
-            if self.landmark_at[at].is_some() {
-                break;
-            }
-        }
-        path
     }
 }

@@ -1,6 +1,6 @@
 //! One original face cut into convex cells by straight steps, and the triangulation of those cells.
 
-use crate::mesh::{VertexId, metric};
+use crate::mesh::VertexId;
 use glam::DVec3;
 
 /// A point on the boundary of a face and the sides of the face it lies on.
@@ -57,7 +57,11 @@ pub fn triangulate(cell: &[BoundaryPoint], position: &dyn Fn(&BoundaryPoint) -> 
             let rest_is_flat = flat(&mut (0..n).filter(|&k| k != i).map(|k| ring[k].sides));
             !flat(&mut ear(i).iter().map(|p| p.sides)) && (n == 3 || !rest_is_flat)
         };
-        let shape = |i: usize| metric::angles(ear(i).map(|p| position(&p))).into_iter().fold(f64::INFINITY, f64::min);
+        let shape = |i: usize| {
+            let [a, b, c] = ear(i).map(|p| position(&p));
+            let sides_sq = (b - a).length_squared() + (c - b).length_squared() + (a - c).length_squared();
+            (b - a).cross(c - a).length_squared() / (sides_sq * sides_sq)
+        };
         let best = (0..n).filter(sound).max_by(|&i, &j| shape(i).total_cmp(&shape(j)));
         let i = best.unwrap_or(0);
         triangles.push(ear(i).map(|p| p.vertex));

@@ -2,6 +2,7 @@
 
 pub mod base_complex;
 pub mod cluster;
+pub mod corner_distance;
 pub mod curve;
 pub mod cut_mesh;
 pub mod extremity;
@@ -12,6 +13,7 @@ pub mod handle;
 pub mod loop_anchor;
 pub mod loop_pairs;
 pub mod network;
+pub mod partner;
 pub mod rebuild;
 pub mod region;
 pub mod rim;

@@ -5,7 +5,7 @@ use super::cut_mesh::{CutMesh, Place};
 use super::search::{Anywhere, Passage, Path, Searcher, Terminal};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// The faces around a landmark between two neighbouring arcs.
 #[derive(Clone, Debug)]
@@ -84,11 +84,16 @@ impl Inlay<'_> {
 
     /// The vertices of a path, those on edges made by splitting.
     fn make_vertices(&mut self, path: &Path) -> Vec<VertexId> {
-        let mut made: HashMap<u32, VertexId> = HashMap::new();
+        let mut on_edge: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
         for &node in &path.nodes {
-            if let (Place::Edge(h, _), false) = (self.cut.place(node), made.contains_key(&node)) {
-                self.split_at_all(h, path, &mut made);
+            if let Place::Edge(h, _) = self.cut.place(node) {
+                // Splitting other edges renumbers half-edges, but never the nodes of this one.
+                on_edge.entry(self.cut.nodes_on(h).start).or_default().push(node);
             }
+        }
+        let mut made: HashMap<u32, VertexId> = HashMap::new();
+        for nodes in on_edge.into_values() {
+            self.split_at_all(nodes, &mut made);
         }
         let vertex = |&node: &u32| match self.cut.place(node) {
             Place::Vertex(v) => v,
@@ -97,18 +102,14 @@ impl Inlay<'_> {
         path.nodes.iter().map(vertex).collect()
     }
 
-    /// Splits the edge of `h` at all nodes of the path on it, the farthest from the start of `h` first.
-    fn split_at_all(&mut self, h: HalfedgeId, path: &Path, made: &mut HashMap<u32, VertexId>) {
-        let edge = self.cut.conn.edge_representative(h);
-        let share = |&node: &u32| match self.cut.place(node) {
-            Place::Edge(k, t) if k == h => Some((t, node)),
-            Place::Edge(k, t) if self.cut.conn.edge_representative(k) == edge => Some((1.0 - t, node)),
-            _ => None,
-        };
-        let mut on: Vec<(f64, u32)> = path.nodes.iter().filter_map(share).collect();
-        on.sort_by(|a, b| b.0.total_cmp(&a.0));
+    /// Splits an edge at some of its nodes, the farthest from its start first.
+    fn split_at_all(&mut self, mut nodes: Vec<u32>, made: &mut HashMap<u32, VertexId>) {
+        nodes.sort_unstable();
+        nodes.dedup();
+        // All nodes of an edge name the same half of it, and are numbered along it.
         let mut length = 1.0;
-        for (t, node) in on {
+        for node in nodes.into_iter().rev() {
+            let Place::Edge(h, t) = self.cut.place(node) else { continue };
             let sides = [Some(h), self.cut.conn.twin(h)];
             let first_new = self.cut.conn.face_count();
             made.insert(node, self.cut.split_edge(self.mesh, h, t / length));
@@ -149,7 +150,7 @@ impl Passage for PartsOf<'_> {
 }
 
 /// The open end at a corner, where only arcs that are `active` bound sectors.
-pub(super) fn terminal(cut: &CutMesh, corner: Corner, active: &dyn Fn(ArcId) -> bool) -> Result<Terminal> {
+pub fn terminal(cut: &CutMesh, corner: Corner, active: &dyn Fn(ArcId) -> bool) -> Result<Terminal> {
     let vertex = cut.landmarks[corner.landmark];
     let sector = sectors(cut, vertex, active).into_iter().find(|s| s.after == corner.after);
     let missing = || Error::bug("a corner of the layout is missing").at(corner.landmark);

@@ -62,6 +62,8 @@ enum Stop {
 struct Crossing {
     edge: HalfedgeId,
     t: f64,
+    /// Its place among the crossings of the edge.
+    rank: usize,
 }
 
 struct Network<'a> {
@@ -109,6 +111,9 @@ impl<'a> Network<'a> {
             if !on.windows(2).all(apart) {
                 return Err(Error::bug("two arcs cross an edge at one point").at(network.crossings[on[0]].edge));
             }
+            for (rank, &c) in on.iter().enumerate() {
+                network.crossings[c].rank = rank;
+            }
         }
         network.spread();
         Ok(network)
@@ -139,37 +144,36 @@ impl<'a> Network<'a> {
                 SurfacePoint::Face(..) => continue,
                 SurfacePoint::Edge(h, t) => {
                     let edge = self.mesh.conn.edge_representative(h);
-                    self.crossings.push(Crossing { edge, t: if edge == h { t } else { 1.0 - t } });
+                    self.crossings.push(Crossing { edge, t: if edge == h { t } else { 1.0 - t }, rank: 0 });
                     Stop::Crossing(self.crossings.len() - 1)
                 }
             });
         }
-        while self.remove_slide(&mut stops) {}
+        self.remove_slides(&mut stops);
         stops
     }
 
-    /// Removes one step that slides along an edge; false if there is none.
-    fn remove_slide(&self, stops: &mut Vec<Stop>) -> bool {
-        for i in 0..stops.len() - 1 {
-            match (stops[i], stops[i + 1]) {
+    /// Removes the steps that slide along an edge.
+    fn remove_slides(&self, stops: &mut Vec<Stop>) {
+        let mut i = 0;
+        while i + 1 < stops.len() {
+            let slide = match (stops[i], stops[i + 1]) {
                 (Stop::Crossing(a), Stop::Crossing(b)) if self.crossings[a].edge == self.crossings[b].edge => {
                     let (before, after) =
                         (self.face_of_step(stops, i.wrapping_sub(1)), self.face_of_step(stops, i + 1));
-                    stops.drain(if before == after { i..i + 2 } else { i + 1..i + 2 });
-                    return true;
+                    if before == after { i..i + 2 } else { i + 1..i + 2 }
                 }
-                (Stop::Vertex(v), Stop::Crossing(c)) if self.ends(c).contains(&v) => {
-                    stops.remove(i + 1);
-                    return true;
+                (Stop::Vertex(v), Stop::Crossing(c)) if self.ends(c).contains(&v) => i + 1..i + 2,
+                (Stop::Crossing(c), Stop::Vertex(v)) if self.ends(c).contains(&v) => i..i + 1,
+                _ => {
+                    i += 1;
+                    continue;
                 }
-                (Stop::Crossing(c), Stop::Vertex(v)) if self.ends(c).contains(&v) => {
-                    stops.remove(i);
-                    return true;
-                }
-                _ => {}
-            }
+            };
+            stops.drain(slide);
+            // Only the steps just before can have become slides.
+            i = i.saturating_sub(2);
         }
-        false
     }
 
     fn ends(&self, crossing: usize) -> [VertexId; 2] {
@@ -232,9 +236,8 @@ impl<'a> Network<'a> {
 
     /// The interval a crossing may move in.
     fn room(&self, c: usize) -> (f64, f64) {
-        let Crossing { edge, t } = self.crossings[c];
+        let Crossing { edge, t, rank: at } = self.crossings[c];
         let on = &self.on_edge[edge];
-        let at = on.iter().position(|&k| k == c).unwrap_or(0);
         let low = if at > 0 { self.crossings[on[at - 1]].t } else { 0.0 };
         let high = on.get(at + 1).map_or(1.0, |&k| self.crossings[k].t);
         let room = ELBOW_ROOM / (on.len() + 1) as f64;

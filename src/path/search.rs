@@ -120,6 +120,17 @@ impl Query<'_> {
         self.goals.iter().any(|goal| goal.vertex == v && goal.sector.iter().any(|&h| face_of(h) == f))
     }
 
+    /// The copy on which paths end.
+    fn last_copy(&self) -> u32 {
+        u32::from(self.curve.is_some())
+    }
+
+    /// The copy on which a step through a face arrives.
+    fn copy_at(&self, tip: &Tip, face: FaceId, node: u32) -> u32 {
+        let crosses = |curve: &Curve| curve.is_between(self.cut, face, tip.place, self.cut.place(node));
+        tip.copy ^ u32::from(self.curve.is_some_and(crosses))
+    }
+
     /// A lower bound of the way left; only a single goal is worth the trouble.
     fn remainder(&self, at: DVec3) -> f64 {
         match self.goals {
@@ -173,28 +184,35 @@ impl Searcher {
         self.run(&Query { cut, goals, passage: &Anywhere, curve: Some(curve), limit }, starts)
     }
 
+    /// The shortest path from one of `starts` to one of `goals`.
+    pub fn shortest_of(&mut self, cut: &CutMesh, starts: &[Terminal], goals: &[Terminal]) -> Option<Path> {
+        let query = Query { cut, goals, passage: &Anywhere, curve: None, limit: f64::INFINITY };
+        let mut path = self.run(&query, starts)?;
+        path.shorten_repeats(cut);
+        Some(path)
+    }
+
     fn run(&mut self, query: &Query, starts: &[Terminal]) -> Option<Path> {
         self.begin(query);
         for start in starts {
             let place = Place::Vertex(start.vertex);
             let state = START | query.cut.node_at(start.vertex);
-            let tip = Tip { state, place, at: query.cut.positions[start.vertex], length: 0.0, copy: 0 };
+            let at = query.cut.positions[start.vertex];
+            let tip = Tip { state, place, at, length: 0.0, copy: 0 };
             for &h in start.sector.iter().filter(|&&h| query.passage.face(face_of(h))) {
                 self.expand_vertex_face(query, &tip, h);
             }
         }
-        let odd = u32::from(query.curve.is_some());
         while let Some(Open { length, state, .. }) = self.queue.pop() {
             let (copy, node) = (state / self.nodes, state % self.nodes);
             let place = query.cut.place(node);
             let is_goal = |v: VertexId| query.goals.iter().any(|goal| goal.vertex == v);
-            if copy == odd && matches!(place, Place::Vertex(v) if is_goal(v)) {
+            if copy == query.last_copy() && matches!(place, Place::Vertex(v) if is_goal(v)) {
                 return Some(self.trace(state));
             }
-            if length > self.labels[state as usize].length {
-                continue;
+            if length <= self.labels[state as usize].length {
+                self.expand(query, &Tip { state, place, at: query.cut.node_position(node), length, copy });
             }
-            self.expand(query, &Tip { state, place, at: query.cut.node_position(node), length, copy });
         }
         None
     }
@@ -246,8 +264,11 @@ impl Searcher {
     }
 
     fn reach_vertex(&mut self, query: &Query, tip: &Tip, f: FaceId, v: VertexId) {
-        if (!query.cut.is_blocked(v) && query.passage.vertex(v)) || query.arrives(v, f) {
-            self.relax(query, tip, f, query.cut.node_at(v));
+        let node = query.cut.node_at(v);
+        let passes = !query.cut.is_blocked(v) && query.passage.vertex(v);
+        // A goal on the wrong copy is not an end, and no place to pass through.
+        if passes || (query.arrives(v, f) && query.copy_at(tip, f, node) == query.last_copy()) {
+            self.relax(query, tip, f, node);
         }
     }
 
@@ -262,9 +283,7 @@ impl Searcher {
     fn relax(&mut self, query: &Query, tip: &Tip, face: FaceId, node: u32) {
         let at = query.cut.node_position(node);
         let length = tip.length + tip.at.distance(at);
-        let crosses = |curve: &Curve| curve.is_between(query.cut, face, tip.place, query.cut.place(node));
-        let copy = tip.copy ^ u32::from(query.curve.is_some_and(crosses));
-        let state = node + copy * self.nodes;
+        let state = node + query.copy_at(tip, face, node) * self.nodes;
         let label = &mut self.labels[state as usize];
         if (label.epoch != self.epoch || length < label.length) && length < query.limit {
             *label = Label { epoch: self.epoch, parent: tip.state, face, length };

@@ -11,7 +11,7 @@ use crate::map::product::{GeometryImages, Product, Side};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::stage;
 use crate::stage::check::{Checked, LoadedMesh};
-use crate::stage::cluster::Clustered;
+use crate::stage::cluster::BaseVertices;
 use crate::stage::compose::{CertifiedMap, Composed, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
@@ -75,21 +75,21 @@ pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
     Ok(Pair { out, checked: stage::check::check(loaded)?, made: () })
 }
 
-pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Clustered>> {
+pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
     pair.then(|checked, ()| {
         let [on_source, on_target] = checked.sites();
-        let clustered = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target]);
-        let auxiliary = clustered.base_vertices[0].len() - checked.landmarks.source.len();
-        let cuts = clustered.clusters.each_ref().map(|c| c.cuts.len());
-        step.detail(format!("{} and {} cuts, {auxiliary} limbs without a landmark matched", cuts[0], cuts[1]));
-        Ok(clustered)
+        let sets = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target]);
+        let count = |set: Option<&BaseVertices>| set.map_or(0, |s| s.vertices[0].len());
+        let [lasting, all] = [sets.first(), sets.last()].map(count);
+        let limbs = lasting - checked.landmarks.source.len();
+        step.detail(format!("{limbs} limbs without a landmark matched, {} more places", all - lasting));
+        Ok(sets)
     })
 }
 
-pub fn trace(pair: Pair<Clustered>, step: &Step) -> Result<Pair<Vec<Layout>>> {
-    pair.then(|checked, Clustered { base_vertices: [on_source, on_target], clusters }| {
-        let vertices = [on_source.as_slice(), on_target.as_slice()];
-        let layouts = stage::layout::layouts(checked.meshes(), vertices, &clusters, EDGE_NODES, CANDIDATES)?;
+pub fn trace(pair: Pair<Vec<BaseVertices>>, step: &Step) -> Result<Pair<Vec<Layout>>> {
+    pair.then(|checked, sets| {
+        let layouts = stage::layout::layouts(checked.meshes(), &sets, EDGE_NODES, CANDIDATES)?;
         if let Some(Layout { base, .. }) = layouts.first() {
             step.detail(format!("{} arcs, {} patches", base.arcs.len(), base.patches.len()));
         }

@@ -3,3 +3,4 @@
 pub mod coloring;
 pub mod dirichlet;
 pub mod matching;
+pub mod warp;

@@ -29,8 +29,6 @@ const SWIRL_LATER: f64 = 3.0;
 pub struct Carried {
     /// The target's cut mesh with all arcs.
     pub cut: CutMesh,
-    /// Length of every arc on the target.
-    pub lengths: IdVec<ArcId, f64>,
     /// How often an arc was put off.
     pub postponed: usize,
 }
@@ -45,8 +43,10 @@ pub struct Carrier<'a> {
     pub landmarks: &'a [VertexId],
     /// Least number of edge nodes.
     pub edge_nodes: u32,
-    /// Length of every arc on the bare target, without regard to other arcs.
+    /// Length of every arc on the bare target, without regard to other arcs; infinite where that says nothing.
     pub reference: &'a IdVec<ArcId, f64>,
+    /// The length, in mesh units, at which the layout is given up.
+    pub enough: &'a (dyn Fn() -> f64 + Sync),
 }
 
 struct State<'a> {
@@ -54,22 +54,28 @@ struct State<'a> {
     searcher: Searcher,
     explorer: Explorer,
     placed: Subcomplex<'a>,
-    lengths: IdVec<ArcId, f64>,
+    /// Length of the arcs so far, and the least that of the others.
+    length: f64,
+    /// How long an arc was when it was last too long: later it is longer still.
+    too_long: IdVec<ArcId, f64>,
     upkeep: Upkeep,
     postponed: usize,
+    given_up: bool,
 }
 
 impl Carrier<'_> {
-    /// Carries all arcs, tried in the given order.
-    pub fn carry(&self, order: &[ArcId]) -> Result<Carried> {
+    /// Carries all arcs, tried in the given order; None if they become too long together.
+    pub fn carry(&self, order: &[ArcId]) -> Result<Option<Carried>> {
         let mut state = State {
             cut: CutMesh::new(self.mesh, self.landmarks, self.edge_nodes),
             searcher: Searcher::default(),
             explorer: Explorer::default(),
             placed: Subcomplex::bare(&self.source.base),
-            lengths: IdVec::filled(0.0, order.len()),
+            length: order.iter().map(|&arc| self.least(arc)).sum(),
+            too_long: IdVec::filled(0.0, order.len()),
             upkeep: Upkeep::default(),
             postponed: 0,
+            given_up: false,
         };
         self.lay_rims(&mut state)?;
         let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| self.source.links[a] != Link::Rim).collect();
@@ -79,12 +85,15 @@ impl Carrier<'_> {
         while !left.is_empty() {
             let before = left.len();
             let failure = self.sweep(&mut state, &mut left, f64::INFINITY);
+            if state.given_up {
+                return Ok(None);
+            }
             if left.len() == before {
                 let stuck = || Error::bug("no arc of the layout can be carried to the target").at(left[0]);
                 return Err(failure.unwrap_or_else(stuck));
             }
         }
-        Ok(Carried { cut: state.cut, lengths: state.lengths, postponed: state.postponed })
+        Ok(Some(Carried { cut: state.cut, postponed: state.postponed }))
     }
 
     /// Lays the arcs along the boundary, which both meshes number alike.
@@ -95,7 +104,7 @@ impl Carrier<'_> {
                 return Err(Error::bug("the boundary loops carry different base vertices").at(arc));
             }
             rim.lay(&mut state.cut, arc);
-            state.lengths[arc] = rim.length(&state.cut);
+            state.length += rim.length(&state.cut) - self.least(arc);
             state.placed.add(arc);
         }
         Ok(())
@@ -105,6 +114,10 @@ impl Carrier<'_> {
     fn sweep(&self, state: &mut State, left: &mut Vec<ArcId>, limit: f64) -> Option<Error> {
         let mut failure = None;
         left.retain(|&arc| {
+            state.given_up |= state.length > (self.enough)();
+            if state.given_up {
+                return true;
+            }
             let placed = self.place(state, arc, limit * self.reference[arc]).unwrap_or_else(|e| {
                 failure = Some(e);
                 false
@@ -119,6 +132,9 @@ impl Carrier<'_> {
     ///
     /// If it fails, the target carries the same arcs as before, though it may be finer.
     fn place(&self, state: &mut State, arc: ArcId, limit: f64) -> Result<bool> {
+        if state.too_long[arc] > limit {
+            return Ok(false);
+        }
         let role = state.placed.role(arc);
         let corners = [false, true].map(|reversed| state.placed.corner_behind(DirectedArc { arc, reversed }));
         let length = match role {
@@ -128,17 +144,25 @@ impl Carrier<'_> {
             _ => self.join(state, arc, corners, limit)?,
         };
         let ends = self.source.base.arcs[arc];
+        if length > limit {
+            state.too_long[arc] = length;
+        }
         let agrees = length <= limit
             && (ends[0] != ends[1] || state.turns_as_on_source(arc, ends[0]))
             && (role != Role::Separates || state.separates_as_on_source(arc, ends[0]));
         if agrees {
             state.placed.add(arc);
-            state.lengths[arc] = length;
+            state.length += length - self.least(arc);
             state.upkeep.after_arc(self.mesh, &mut state.cut, &self.source.base.arcs, self.edge_nodes);
         } else {
             state.cut.unmark(arc, ends[0]);
         }
         Ok(agrees)
+    }
+
+    /// An arc is at least so long.
+    fn least(&self, arc: ArcId) -> f64 {
+        if self.reference[arc].is_finite() { self.reference[arc] } else { 0.0 }
     }
 
     /// Lays an arc along the shortest path, unless it is longer than `limit`; returns its length.

@@ -76,6 +76,7 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     let trimmed = trim([&mut source, &mut target], &landmarks);
     same_loops([&source.mesh, &target.mesh], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
+    warnings.extend(open_class(&source.report));
     warnings.extend(trimmed.into_iter().chain(doubt));
     if source.mesh.faces() == target.mesh.faces() {
         // Two poses of one mesh: in one order, ties are decided alike on both.
@@ -120,6 +121,15 @@ fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> 
     }
     warnings.extend(landmarks.notes.iter().cloned());
     warnings
+}
+
+/// What landmarks leave open on a surface with handles.
+fn open_class(report: &Report) -> Option<String> {
+    let genus = report.genus.filter(|&genus| genus > 0)?;
+    Some(format!(
+        "genus {genus}: landmarks leave open how often the map winds around a handle; of the ways that were tried the \
+         one with short arcs and little distortion was taken"
+    ))
 }
 
 fn file_name(path: &Path) -> String {

@@ -1,36 +1,69 @@
 //! Stage: base vertices and their clusters on both meshes (VORONOI 5.1).
 //!
 //! Base vertices are the landmarks and, behind them, auxiliary ones: the tips of limbs that both meshes have but no
-//! landmark pins, and vertices on boundary loops that carry too few. Auxiliary ones are vertices of the base complex
-//! like the others, but are not landmarks of the user.
+//! landmark pins, vertices on boundary loops that carry too few, and points in wide empty places that seem to correspond.
+//! The last only lead arcs around handles and limbs the same way on both meshes, and are taken out again.
 
 use crate::mesh::{TriMesh, VertexId};
 use crate::path::cluster::Clusters;
 use crate::path::extremity::matching_tips;
 use crate::path::loop_anchor::matching_anchors;
+use crate::path::partner::partners;
 
-/// The base vertices of both meshes and their clusters.
+/// Fewest vertices of a base complex on a sphere; on other surfaces one is enough.
+const FEWEST_ON_SPHERE: usize = 3;
+
+/// Base vertices of both meshes and their clusters.
 #[derive(Clone, Debug)]
-pub struct Clustered {
+pub struct BaseVertices {
     /// On each mesh the landmarks, then the auxiliary base vertices, in the same order on both.
-    pub base_vertices: [Vec<VertexId>; 2],
+    pub vertices: [Vec<VertexId>; 2],
     /// Their clusters.
     pub clusters: [Clusters; 2],
+    /// So many of them stay in the layout.
+    pub lasting: usize,
 }
 
-/// Finds auxiliary base vertices and grows the clusters of both meshes, side by side.
-pub fn cluster(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Clustered {
-    let mut base_vertices = landmarks.map(<[VertexId]>::to_vec);
-    for tips in matching_tips(meshes, landmarks) {
-        if (0..2).all(|k| !base_vertices[k].contains(&tips[k]) && !meshes[k].conn.is_on_boundary(tips[k])) {
-            (0..2).for_each(|k| base_vertices[k].push(tips[k]));
+impl BaseVertices {
+    /// Grows the clusters of both meshes, side by side.
+    pub fn grow(meshes: [&TriMesh; 2], vertices: [Vec<VertexId>; 2], lasting: usize) -> Self {
+        let [on_source, on_target] = &vertices;
+        let (source, target) =
+            rayon::join(|| Clusters::grow(meshes[0], on_source), || Clusters::grow(meshes[1], on_target));
+        BaseVertices { clusters: [source, target], vertices, lasting }
+    }
+}
+
+/// The sets of base vertices that layouts are tried with: without and with those that are taken out again.
+pub fn cluster(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2]) -> Vec<BaseVertices> {
+    let mut lasting = landmarks.map(<[VertexId]>::to_vec);
+    let inside = |pair: &[VertexId; 2]| (0..2).all(|k| !meshes[k].conn.is_on_boundary(pair[k]));
+    add(&mut lasting, matching_tips(meshes, landmarks).into_iter().filter(inside));
+    let anchors = matching_anchors(meshes, lasting.each_ref().map(Vec::as_slice));
+    add(&mut lasting, anchors);
+    if !meshes[0].conn.is_closed_and_connected() {
+        let count = lasting[0].len();
+        return vec![BaseVertices::grow(meshes, lasting, count)];
+    }
+    let fewest = if meshes[0].conn.euler_characteristic() == 2 { FEWEST_ON_SPHERE } else { 1 };
+    let missing = fewest.saturating_sub(lasting[0].len());
+    let pairs = partners(meshes, lasting.each_ref().map(Vec::as_slice), missing);
+    add(&mut lasting, pairs.iter().copied().take(missing));
+    let count = lasting[0].len();
+    let mut all = lasting.clone();
+    add(&mut all, pairs);
+    let mut sets = vec![BaseVertices::grow(meshes, lasting, count)];
+    if all[0].len() > count {
+        sets.push(BaseVertices::grow(meshes, all, count));
+    }
+    sets
+}
+
+/// Adds pairs of vertices that are not base vertices yet.
+fn add(base_vertices: &mut [Vec<VertexId>; 2], pairs: impl IntoIterator<Item = [VertexId; 2]>) {
+    for pair in pairs {
+        if (0..2).all(|k| !base_vertices[k].contains(&pair[k])) {
+            (0..2).for_each(|k| base_vertices[k].push(pair[k]));
         }
     }
-    for anchors in matching_anchors(meshes, [&base_vertices[0], &base_vertices[1]]) {
-        (0..2).for_each(|k| base_vertices[k].push(anchors[k]));
-    }
-    let [on_source, on_target] = &base_vertices;
-    let (source, target) =
-        rayon::join(|| Clusters::grow(meshes[0], on_source), || Clusters::grow(meshes[1], on_target));
-    Clustered { clusters: [source, target], base_vertices }
 }

@@ -157,7 +157,8 @@ impl Tracer<'_> {
 
     fn open_handle(&mut self, corners: &[Corner]) -> Result<([LandmarkId; 2], f64)> {
         let arc = ArcId::new(self.arcs.len());
-        let laid = lay_across_handle(&mut self.cut, self.mesh, &mut self.searcher, [corners, corners], arc)?;
+        let ends = [corners, corners];
+        let laid = lay_across_handle(&mut self.cut, self.mesh, &mut self.searcher, ends, arc)?;
         Ok((laid.ends, laid.length))
     }
 

@@ -6,7 +6,7 @@ use homeo::map::atlas::BaseSample;
 use homeo::map::embedding::Embedding;
 use homeo::map::surface_map::{Chart, SurfaceMap, compose};
 use homeo::mesh::{Id, SurfacePoint, TriMesh, VertexId};
-use homeo::path::cluster::Clusters;
+use homeo::stage::cluster::BaseVertices;
 use homeo::stage::embed::embed;
 use homeo::stage::layout::{Layout, layouts};
 
@@ -31,9 +31,8 @@ impl Pair {
 
     /// The layout with the shortest arcs.
     pub fn layout(&self) -> Result<Layout> {
-        let landmarks = [self.landmarks[0].as_slice(), &self.landmarks[1]];
-        let clusters = [0, 1].map(|k| Clusters::grow(&self.meshes[k], landmarks[k]));
-        let mut all = layouts(self.both(), landmarks, &clusters, EDGE_NODES, 1)?;
+        let set = BaseVertices::grow(self.both(), self.landmarks.clone(), self.landmarks[0].len());
+        let mut all = layouts(self.both(), &[set], EDGE_NODES, 1)?;
         Ok(all.swap_remove(0))
     }
 

@@ -104,7 +104,10 @@ fn text_of<'a>(path: &Path, bytes: &'a [u8]) -> Result<&'a str> {
 fn find_vertices(points: PointFile, mesh: &MeshFile, side: &str, notes: &mut Vec<String>) -> Result<Vec<Found>> {
     let fail = |e: Error| e.file(&points.path);
     if points.entries.is_empty() {
-        return Err(fail(Error::unsolvable("no landmarks").at("row 1").remedy("give at least three, one per row")));
+        let what = "no landmarks: nothing tells which of the infinitely many maps is meant";
+        return Err(fail(
+            Error::unsolvable(what).at("row 1").remedy("give at least one, better three or more, one per row"),
+        ));
     }
     let vertices = place::vertices(&points, mesh, side, notes).map_err(fail)?;
     let mut names = HashMap::new();

@@ -1,0 +1,139 @@
+//! Auxiliary base vertices taken out of a layout again.
+//!
+//! They lead arcs the same way on both meshes and would only pin the map afterwards. The patches around such a vertex
+//! make up a disc; its arcs go, and the disc is cut into triangles again by diagonals, each of which has one way to run
+//! on either mesh. The diagonals that are shortest on both meshes together are taken first.
+
+use crate::error::Result;
+use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh};
+use crate::path::base_complex::{BaseComplex, DirectedArc};
+use crate::path::cut_mesh::CutMesh;
+use crate::path::network::{Corner, connect, embed};
+use crate::path::region::base_complex;
+use crate::path::search::Searcher;
+
+/// Takes out the base vertices from number `keep` on, the last first, as far as the layout allows.
+///
+/// A vertex with a loop, or with fewer than three arcs, stays.
+pub fn take_out(meshes: [&TriMesh; 2], cuts: &mut [CutMesh; 2], base: BaseComplex, keep: usize) -> Result<BaseComplex> {
+    let mut base = base;
+    for l in (keep..base.landmarks).rev().map(LandmarkId::new) {
+        let Some(disc) = Disc::around(&base, l) else { continue };
+        let mut work = Work { meshes, cuts, base, freed: Vec::new(), searcher: Searcher::default() };
+        work.remove(&disc, l);
+        work.fill(disc.walk)?;
+        base = work.finish()?;
+    }
+    Ok(base)
+}
+
+/// The patches around a vertex.
+struct Disc {
+    /// The arcs of the vertex.
+    spokes: Vec<ArcId>,
+    /// The other sides of the patches, counter-clockwise.
+    walk: Vec<DirectedArc>,
+}
+
+impl Disc {
+    /// The disc around `l`, unless it is bounded by fewer than three arcs or meets itself at `l`.
+    fn around(base: &BaseComplex, l: LandmarkId) -> Option<Self> {
+        let side_of = base.side_of();
+        let is_spoke = |arc: ArcId| base.arcs[arc].contains(&l);
+        let first = base.arcs.iter_ids().find(|(_, ends)| ends.contains(&l)).map(|(arc, _)| arc)?;
+        let first = DirectedArc { arc: first, reversed: base.arcs[first][0] != l };
+        let mut disc = Disc { spokes: Vec::new(), walk: Vec::new() };
+        let mut spoke = first;
+        loop {
+            let (patch, side) = side_of[spoke.index()];
+            let [rim, last] = [1, 2].map(|k| base.patches[patch][(side + k) % 3]);
+            if is_spoke(rim.arc) {
+                return None;
+            }
+            disc.spokes.push(spoke.arc);
+            disc.walk.push(rim);
+            spoke = last.flipped();
+            if spoke == first {
+                break;
+            }
+        }
+        (disc.walk.len() >= 3).then_some(disc)
+    }
+}
+
+struct Work<'a> {
+    meshes: [&'a TriMesh; 2],
+    cuts: &'a mut [CutMesh; 2],
+    base: BaseComplex,
+    /// Arcs that are no longer in use.
+    freed: Vec<ArcId>,
+    searcher: Searcher,
+}
+
+impl Work<'_> {
+    fn remove(&mut self, disc: &Disc, l: LandmarkId) {
+        for cut in self.cuts.iter_mut() {
+            for &arc in &disc.spokes {
+                cut.unmark(arc, self.base.arcs[arc][0]);
+            }
+            cut.forget_landmark(l);
+        }
+        self.freed.extend(disc.spokes.iter().rev());
+        for end in self.base.arcs.raw.iter_mut().flatten().filter(|end| **end > l) {
+            end.0 -= 1;
+        }
+    }
+
+    /// Cuts a disc, given by its boundary walk, into triangles.
+    fn fill(&mut self, walk: Vec<DirectedArc>) -> Result<()> {
+        if walk.len() == 3 {
+            return Ok(());
+        }
+        let corners: Vec<Corner> =
+            walk.iter().map(|&d| Corner { landmark: self.base.start(d), after: Some(d) }).collect();
+        let (i, j) = self.shortest_diagonal(&corners)?;
+        let Some(arc) = self.freed.pop() else { return Ok(()) };
+        self.base.arcs[arc] = [corners[i].landmark, corners[j].landmark];
+        for k in 0..2 {
+            let path = connect(&mut self.cuts[k], self.meshes[k], &mut self.searcher, [corners[i], corners[j]])?;
+            embed(&mut self.cuts[k], self.meshes[k], &path, arc)?;
+        }
+        let [there, back] = [false, true].map(|reversed| DirectedArc { arc, reversed });
+        self.fill(walk[i..j].iter().copied().chain([back]).collect())?;
+        self.fill(walk[j..].iter().chain(&walk[..i]).copied().chain([there]).collect())
+    }
+
+    /// The corners i < j of the diagonal that is shortest on both meshes, relative to their size.
+    fn shortest_diagonal(&mut self, corners: &[Corner]) -> Result<(usize, usize)> {
+        let n = corners.len();
+        let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j))).filter(|&(i, j)| (j + 1) % n != i);
+        let mut best = (f64::INFINITY, (0, 2));
+        for (i, j) in pairs {
+            let mut length = 0.0;
+            for k in 0..2 {
+                let ends = [corners[i], corners[j]];
+                let path = connect(&mut self.cuts[k], self.meshes[k], &mut self.searcher, ends)?;
+                length += path.length / self.meshes[k].area().sqrt();
+            }
+            // A loop goes only where nothing else does.
+            let is_loop = corners[i].landmark == corners[j].landmark;
+            let rank = if is_loop { f64::MAX } else { length };
+            if rank < best.0 {
+                best = (rank, (i, j));
+            }
+        }
+        Ok(best.1)
+    }
+
+    /// Renumbers what is left, and reads the base complex off the source.
+    fn finish(self) -> Result<BaseComplex> {
+        let mut arcs = IdVec::default();
+        let used = |arc: ArcId| !self.freed.contains(&arc);
+        let number = self.base.arcs.iter_ids().map(|(arc, &ends)| used(arc).then(|| arcs.push(ends)));
+        let number: IdVec<ArcId, Option<ArcId>> = number.collect();
+        for cut in self.cuts.iter_mut() {
+            cut.renumber_arcs(&number);
+        }
+        base_complex(&self.cuts[0], &arcs)
+    }
+}
