@@ -105,7 +105,7 @@ pub struct DemoArgs {
 
 #[derive(Args, Debug)]
 pub struct MapArgs {
-    /// The mesh to be mapped: OBJ, OFF, PLY or STL
+    /// The mesh to be mapped: OBJ, OFF, PLY, STL or glTF
     pub source: PathBuf,
     /// The mesh it is mapped onto
     pub target: PathBuf,

@@ -191,8 +191,10 @@ impl Report {
             0 => String::new(),
             n => format!("; and {n} more"),
         };
-        Err(Error::input(format!("not an orientable surface: {}{more}", named.join("; ")))
-            .remedy("repair the mesh; `homeo check` lists all faults"))
+        let error = Error::input(format!("not a sound manifold: {}{more}", named.join("; ")));
+        let error = error.remedy("repair the mesh; `homeo check` lists all faults");
+        let pieces = self.components.len();
+        Err(if pieces > 1 { error.at(format_args!("in {pieces} components")) } else { error })
     }
 
     /// The repaired mesh, unless there is a fault or somebody took it.
