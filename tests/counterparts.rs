@@ -19,7 +19,7 @@ fn checked(source: &TriMesh, target: &TriMesh, landmarks: &[[usize; 2]]) -> Resu
 }
 
 fn refusal(source: &TriMesh, target: &TriMesh, landmarks: &[[usize; 2]]) -> Error {
-    let error = checked(source, target, landmarks).err().expect("no such map");
+    let error = checked(source, target, landmarks).map(drop).expect_err("no such map");
     assert_eq!(error.kind, ErrorKind::Unsolvable, "{error}");
     assert!(!error.remedy.is_empty(), "{error}");
     error
