@@ -58,7 +58,7 @@ fn stages(c: &mut Criterion) {
 
 /// The stages that change an embedding in place, and the map at the end.
 fn relaxations(c: &mut Criterion, size: usize, meshes: [&TriMesh; 2], start: &homeo::map::embedding::Embedding) {
-    let once = RelaxOptions { rounds: 1, ..RelaxOptions::default() };
+    let once = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, ..RelaxOptions::default() };
     let id = || BenchmarkId::from_parameter(size);
     c.benchmark_group("stretch").bench_function(id(), |b| {
         let run = |mut e| stretch::stretch(&Compute::Cpu, &mut e).expect("the CPU is always there");

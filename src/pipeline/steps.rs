@@ -143,6 +143,8 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<
         if how == Relaxation::Full {
             let more = relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?;
             embedded.relaxation.energies.extend(&more[1..]);
+            let turned_back = stage::untangle::untangle_samples(meshes, &mut embedded.embedding)?;
+            step.detail(format!("{turned_back} sampled triangles turned back"));
         }
         if let [first, .., last] = embedded.relaxation.energies.as_slice() {
             step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", embedded.relaxation.energies.len() - 1));

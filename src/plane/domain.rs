@@ -1,12 +1,11 @@
-//! A planar domain for relaxation: one mesh's patch, or two neighbouring patches glued along their arc.
+//! A planar domain for relaxation: one mesh's part of a patch, or of several patches laid out as a tiling.
 //!
-//! A single patch keeps its reference triangle. Two patches share the segment from (0, 0) to (1, 0), the first above
-//! it, the second below, each laid out with the proportions of its frame. Gluing is affine on either side, so triangles
-//! that were positive in their patches are positive here.
+//! A single patch keeps its reference triangle. Tiles are laid out affinely and glued along seams, so triangles that
+//! were positive in their patches are positive here.
 
-use super::patch_disc::PatchDisc;
-use super::stretch::Frame;
-use crate::mesh::{FaceId, VertexId};
+use super::patch_disc::{ArcShares, PatchDisc};
+use super::tiling::{Tile, Tiling};
+use crate::mesh::{PatchId, VertexId};
 use glam::{DVec2, DVec3};
 
 /// Marks the missing neighbour of a triangle at the domain's boundary.
@@ -23,149 +22,121 @@ pub struct Domain {
     pub points: Vec<DVec3>,
     /// Whether the vertex may move.
     pub free: Vec<bool>,
-    /// The cut mesh's face of every triangle.
-    pub faces: Vec<FaceId>,
     /// Triangles, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
     /// For every triangle the one behind the side from corner `i` to corner `i + 1`, or [`OUTSIDE`].
     pub neighbours: Vec<[u32; 3]>,
-    /// For two patches: the vertex at (0, 0).
-    pub start: u32,
-    /// For two patches: the vertex at (1, 0).
-    pub end: u32,
 }
 
-/// How one patch lies in a domain of two: barycentric coordinates of its corners, turned so that the shared side comes
-/// first, become plane coordinates.
-#[derive(Clone, Copy, Debug)]
-pub struct Placement {
-    /// The side of the patch that is shared.
-    pub side: usize,
-    /// The image of the opposite corner.
-    apex: DVec2,
-    /// Where the shared side starts and ends on the x axis.
-    ends: [f64; 2],
-}
-
-impl Placement {
-    /// The patch above the shared segment; its shared side runs from (0, 0) to (1, 0).
-    pub fn above(side: usize, frame: &Frame) -> Self {
-        Placement { side, apex: apex_over(side, frame), ends: [0.0, 1.0] }
-    }
-
-    /// The patch below; its shared side runs from (1, 0) to (0, 0).
-    pub fn below(side: usize, frame: &Frame) -> Self {
-        let apex = apex_over(side, frame);
-        Placement { side, apex: DVec2::new(1.0 - apex.x, -apex.y), ends: [1.0, 0.0] }
-    }
-
-    /// From reference coordinates to the plane.
-    pub fn place(&self, p: DVec2) -> DVec2 {
-        let b = [1.0 - p.x - p.y, p.x, p.y];
-        let turned: [f64; 3] = std::array::from_fn(|i| b[(self.side + i) % 3]);
-        let along = turned[0] * self.ends[0] + turned[1] * self.ends[1];
-        DVec2::new(along, 0.0) + self.apex * turned[2]
-    }
-
-    /// From the plane back to reference coordinates.
-    pub fn reference(&self, q: DVec2) -> DVec2 {
-        let far = q.y / self.apex.y;
-        let along = q.x - self.apex.x * far;
-        let (near_start, near_end) =
-            if self.ends[0] == 0.0 { (1.0 - far - along, along) } else { (along, 1.0 - far - along) };
-        let mut b = [0.0; 3];
-        b[self.side] = near_start;
-        b[(self.side + 1) % 3] = near_end;
-        b[(self.side + 2) % 3] = far;
-        DVec2::new(b[1], b[2])
-    }
-}
-
-/// Where the corner opposite to `side` lies when that side is laid from (0, 0) to (1, 0).
-fn apex_over(side: usize, frame: &Frame) -> DVec2 {
-    let corners = [DVec2::ZERO, frame.first, frame.second];
-    let (a, b, c) = (corners[side], corners[(side + 1) % 3], corners[(side + 2) % 3]);
-    let along = (b - a) / (b - a).length_squared();
-    DVec2::new((c - a).dot(along), along.perp_dot(c - a))
-}
+/// Gives the patch discs of one mesh.
+pub type Discs<'a> = &'a dyn Fn(PatchId) -> &'a PatchDisc;
+/// Gives the points in space of one mesh.
+pub type Points<'a> = &'a dyn Fn(VertexId) -> DVec3;
 
 impl Domain {
     /// A single patch in its reference triangle.
-    pub fn of_patch(disc: &PatchDisc, points: &dyn Fn(VertexId) -> DVec3) -> Self {
+    pub fn of_patch(disc: &PatchDisc, points: Points) -> Self {
         let mut domain = Domain::default();
-        domain.add(disc, points, &|p| p, &|_| None);
-        domain.connect();
-        domain
-    }
-
-    /// Two patches glued along side `above.side` of the first and `below.side` of the second.
-    ///
-    /// `shares` are the positions of the shared arc's vertices along it, from the segment's start to its end.
-    pub fn of_pair(
-        discs: [&PatchDisc; 2],
-        placements: [&Placement; 2],
-        shares: &[f64],
-        points: &dyn Fn(VertexId) -> DVec3,
-    ) -> Self {
-        let mut domain = Domain::default();
-        domain.add(discs[0], points, &|p| placements[0].place(p), &|_| None);
-        let shared = side_vertices(discs[0], placements[0].side);
-        for (&v, &s) in shared.iter().zip(shares) {
-            domain.positions[v as usize] = DVec2::new(s, 0.0);
-        }
-        for &v in &shared[1..shared.len() - 1] {
-            domain.free[v as usize] = true;
-        }
-        domain.start = shared[0];
-        domain.end = shared[shared.len() - 1];
-        let other = side_vertices(discs[1], placements[1].side);
-        let twin = |v: u32| other.iter().position(|&w| w == v).map(|i| shared[shared.len() - 1 - i]);
-        domain.add(discs[1], points, &|p| placements[1].place(p), &twin);
-        domain.connect();
-        domain
-    }
-
-    /// Adds a patch; `known` gives the domain vertex of a local vertex that is there already.
-    fn add(
-        &mut self,
-        disc: &PatchDisc,
-        points: &dyn Fn(VertexId) -> DVec3,
-        place: &dyn Fn(DVec2) -> DVec2,
-        known: &dyn Fn(u32) -> Option<u32>,
-    ) {
-        let mut number = Vec::with_capacity(disc.vertices.len());
+        let number: Vec<u32> = (0..disc.vertices.len() as u32).collect();
         for (i, (&v, &p)) in disc.vertices.iter().zip(&disc.positions).enumerate() {
-            let shared = if i < disc.boundary { known(i as u32) } else { None };
-            number.push(shared.unwrap_or_else(|| {
-                self.vertices.push(v);
-                self.positions.push(place(p));
-                self.points.push(points(v));
-                self.free.push(i >= disc.boundary);
-                self.vertices.len() as u32 - 1
-            }));
+            domain.add_vertex(v, p, points, i >= disc.boundary);
         }
-        self.faces.extend_from_slice(&disc.faces);
+        domain.add_triangles(disc, &number);
+        domain.connect();
+        domain
+    }
+
+    /// The patches of a tiling; vertex `i` lies at its node `i`, and the seams' vertices may move.
+    pub fn of_tiling(tiling: &Tiling, discs: Discs, shares: &ArcShares, points: Points) -> Self {
+        let mut domain = Domain::default();
+        for &node in &tiling.nodes {
+            domain.add_vertex(VertexId(u32::MAX), node, &|_| DVec3::ZERO, false);
+        }
+        let mut first_of_seam = Vec::new();
+        for seam in &tiling.seams {
+            let [from, to] = seam.ends.map(|n| tiling.nodes[n as usize]);
+            let inside = &shares[seam.arc][1..shares[seam.arc].len() - 1];
+            first_of_seam.push(domain.vertices.len() as u32);
+            for &s in inside {
+                domain.add_vertex(VertexId(u32::MAX), from + (to - from) * s, &|_| DVec3::ZERO, true);
+            }
+        }
+        for tile in &tiling.tiles {
+            domain.add_tile(tiling, tile, discs(tile.patch), &first_of_seam, points);
+        }
+        domain.connect();
+        domain
+    }
+
+    fn add_vertex(&mut self, v: VertexId, position: DVec2, points: Points, free: bool) -> u32 {
+        self.vertices.push(v);
+        self.positions.push(position);
+        self.points.push(points(v));
+        self.free.push(free);
+        self.vertices.len() as u32 - 1
+    }
+
+    fn add_tile(&mut self, tiling: &Tiling, tile: &Tile, disc: &PatchDisc, first_of_seam: &[u32], points: Points) {
+        let placement = tiling.placement(tile);
+        let mut number = vec![u32::MAX; disc.vertices.len()];
+        for k in 0..3 {
+            let side = side_vertices(disc, k);
+            number[side[0] as usize] = tile.corners[k];
+            if let Some(seam) = tile.seams[k] {
+                let inside = &side[1..side.len() - 1];
+                for (m, &v) in inside.iter().enumerate() {
+                    let along = if tile.sides[k].reversed { inside.len() - 1 - m } else { m };
+                    number[v as usize] = first_of_seam[seam] + along as u32;
+                }
+            }
+        }
+        for (i, &v) in disc.vertices.iter().enumerate() {
+            if number[i] == u32::MAX {
+                number[i] = self.add_vertex(v, placement.place(disc.positions[i]), points, i >= disc.boundary);
+            } else {
+                self.vertices[number[i] as usize] = v;
+                self.points[number[i] as usize] = points(v);
+            }
+        }
+        self.add_triangles(disc, &number);
+    }
+
+    fn add_triangles(&mut self, disc: &PatchDisc, number: &[u32]) {
         self.triangles.extend(disc.triangles.iter().map(|t| t.map(|v| number[v as usize])));
     }
 
+    /// Splits the edge from `a` to `b` at share `t` of its way; the new vertex lies at `position` and stays there.
+    ///
+    /// `near` are the triangles at the edge before earlier splits. Neighbours are out of date until [`Domain::connect`]
+    /// is called. None if there is no such edge.
+    pub fn split_edge(&mut self, [a, b]: [u32; 2], t: f64, position: DVec2, near: [u32; 2]) -> Option<u32> {
+        let point = self.points[a as usize].lerp(self.points[b as usize], t);
+        let middle = self.add_vertex(VertexId(u32::MAX), position, &|_| point, false);
+        let mut found = false;
+        let latest = self.triangles.len() as u32;
+        for (from, to) in [(a, b), (b, a)] {
+            let side = |f: u32| {
+                let corners = self.triangles[f as usize];
+                let i = (0..3).find(|&i| corners[i] == from && corners[(i + 1) % 3] == to)?;
+                Some((f as usize, corners[(i + 2) % 3]))
+            };
+            let likely = near.into_iter().chain((0..latest).rev());
+            let Some((f, far)) = likely.filter_map(side).next() else { continue };
+            self.triangles[f] = [from, middle, far];
+            self.triangles.push([middle, to, far]);
+            found = true;
+        }
+        found.then_some(middle)
+    }
+
     /// Finds the neighbours of all triangles.
-    fn connect(&mut self) {
-        let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * self.triangles.len());
-        for (t, corners) in self.triangles.iter().enumerate() {
-            for i in 0..3 {
-                let (a, b) = (corners[i], corners[(i + 1) % 3]);
-                sides.push((a.min(b), a.max(b), (3 * t + i) as u32));
-            }
-        }
-        sides.sort_unstable();
-        self.neighbours = vec![[OUTSIDE; 3]; self.triangles.len()];
-        for pair in sides.windows(2) {
-            if (pair[0].0, pair[0].1) == (pair[1].0, pair[1].1) {
-                let (h, k) = (pair[0].2 as usize, pair[1].2 as usize);
-                self.neighbours[h / 3][h % 3] = (k / 3) as u32;
-                self.neighbours[k / 3][k % 3] = (h / 3) as u32;
-            }
-        }
+    pub fn connect(&mut self) {
+        let fans = self.fans();
+        let behind = |a: u32, b: u32| {
+            let is_behind = |&&(t, i): &&(u32, u8)| self.triangles[t as usize][(i as usize + 2) % 3] == b;
+            fans.around(a as usize).iter().find(is_behind).map_or(OUTSIDE, |&(t, _)| t)
+        };
+        self.neighbours = self.triangles.iter().map(|&[a, b, c]| [behind(a, b), behind(b, c), behind(c, a)]).collect();
     }
 
     /// For every vertex the triangles around it with the corner it has there, in order of triangles.
@@ -186,6 +157,11 @@ impl Domain {
             }
         }
         Fans { start, entries }
+    }
+
+    /// The corners of a triangle in space.
+    pub fn spatial(&self, corners: &[u32; 3]) -> [DVec3; 3] {
+        corners.map(|v| self.points[v as usize])
     }
 
     /// The corners of a triangle in the plane.

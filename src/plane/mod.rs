@@ -1,15 +1,20 @@
 //! Discs in the plane: patches, convex embeddings, stretch, point location.
 
 pub mod convex;
-pub mod diagonal;
 pub mod divide;
 pub mod domain;
+pub mod ground;
 pub mod locate;
 pub mod newton;
 pub mod orientation;
+pub mod overlay;
 pub mod patch_disc;
 pub mod progressive;
 pub mod smooth;
+pub mod straighten;
 pub mod stretch;
+pub mod sweep;
+pub mod tiling;
+pub mod untangle;
 pub mod visible;
 pub mod walk;

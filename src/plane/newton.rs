@@ -1,9 +1,9 @@
 //! One Newton step for all free vertices of a domain at once.
 //!
 //! Single moves carry an error over one ring a sweep; this carries it over the whole domain, which is what unfolds a limb
-//! that a convex embedding has crushed. The second derivative of every triangle's energy is replaced by a positive
-//! semidefinite one (see [`crate::solve::dirichlet::Rest::block`]), the metrics are held fixed, and the step is cut
-//! back until no triangle turns over and the energy falls.
+//! that a convex embedding has crushed. Of the second derivative only the positive semidefinite part of every triangle's
+//! is taken (see [`crate::solve::dirichlet::Rest::block`]). The step is cut back until no triangle turns over and the
+//! model of the energy falls.
 
 use super::smooth::Smoother;
 use crate::solve::dirichlet::Block;
@@ -20,23 +20,27 @@ const RIDGE: f64 = 1e-9;
 /// Marks vertices that do not move.
 const FIXED: u32 = u32::MAX;
 
-/// Moves all free vertices along the Newton direction; false if no step lowers the energy.
+/// Moves all free vertices along the Newton direction of the model; false if no step lowers it.
 pub fn newton(smoother: &mut Smoother) -> bool {
     let Some(direction) = direction(smoother) else { return false };
     let start = smoother.moving.positions.clone();
-    let before = smoother.raw_energy();
+    let before = model_energy(smoother);
     let mut share = (SAFE_SHARE * first_collapse(smoother, &direction)).min(1.0);
     for _ in 0..HALVINGS {
         for (p, (&from, &d)) in smoother.moving.positions.iter_mut().zip(start.iter().zip(&direction)) {
             *p = from + d * share;
         }
-        if smoother.raw_energy() < before {
+        if model_energy(smoother) < before {
             return true;
         }
         share *= 0.5;
     }
     smoother.moving.positions = start;
     false
+}
+
+fn model_energy(smoother: &Smoother) -> f64 {
+    (0..smoother.moving.triangles.len()).filter_map(|t| smoother.model_energy(t)).sum()
 }
 
 fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
@@ -49,8 +53,9 @@ fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
     let n = 2 * free.len();
     let mut rhs = faer::Mat::<f64>::zeros(n, 1);
     let mut entries = Vec::with_capacity(21 * smoother.moving.triangles.len() + n);
-    for (t, corners) in smoother.moving.triangles.iter().enumerate().filter(|&(t, _)| smoother.has_say(t)) {
-        let block = smoother.rest[t].block(&smoother.metrics[t], smoother.moving.triangle(t));
+    for t in 0..smoother.moving.triangles.len() {
+        let Some(block) = smoother.model_block(t) else { continue };
+        let corners = smoother.moving.triangles[t];
         scatter(&block, &corners.map(|v| number[v as usize]), &mut entries, &mut rhs);
     }
     let trace: f64 = entries.iter().filter(|e| e.row == e.col).map(|e| e.val).sum();

@@ -1,177 +1,187 @@
-//! Relaxation of the composed map inside a domain.
+//! A mesh whose vertices move in a domain so that the symmetric Dirichlet energy of a map falls.
 //!
-//! Both meshes are embedded in the same domain. The vertices of one move, one at a time, so that the symmetric
-//! Dirichlet energy of the map between the meshes falls. Every triangle of the moving mesh sees the metrics of the fixed
-//! mesh at its own centroid and at the centroids of all fixed triangles inside it, so a fine mesh under a coarse one is
-//! not overlooked, and the energy is the same one whichever mesh moves: the mean of both meshes' area-weighted energies.
+//! Looking through the overlay at what lies below is dear, so it is done once and a model is kept: every triangle goes on
+//! seeing the metrics it saw. Moves lower the model; [`Smoother::settle`] then looks again and takes back as much as it must
+//! for the energy itself to have fallen.
 
-use super::domain::{Domain, Fans};
+use super::domain::Domain;
+use super::ground::{Above, Ground, Seen, areas, floor};
+use super::overlay::Overlay;
 use super::stretch::Frame;
-use super::walk::{Spot, walk};
 use crate::mesh::metric;
-use crate::solve::dirichlet::{Local, Metrics, Rest, newton_step};
+use crate::solve::dirichlet::{Block, Metrics, Rest};
 use glam::DVec2;
 
-/// A triangle of the ring keeps at least this share of its planar area in one move.
-const KEEP_AREA: f64 = 0.1;
-/// Halvings of a step before the vertex stays.
-const HALVINGS: usize = 6;
-/// A move must lower the ring's energy by this share, or it is not worth taking.
-const LEAST_GAIN: f64 = 1e-8;
-/// Cap on the energy per area when domains are compared: slivers between an arc and a vertex would drown everything.
-const CAP: f64 = 100.0;
-/// Triangles with less than this share of the mean area have no say: their shape is rounding noise.
-const NEGLIGIBLE: f64 = 1e-9;
+/// What the model of the energy keeps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Model {
+    /// The metrics seen and their weights. Its gradient is not quite the energy's, but far from the minimum it leads there
+    /// in longer steps.
+    Held,
+    /// The change of the weights to first order as well: value and gradient are the energy's.
+    Tangent,
+}
 
-/// The moving mesh over a fixed one.
+/// The moving mesh and what lies below it.
 pub struct Smoother<'a> {
     pub(super) moving: &'a mut Domain,
-    fans: Fans,
-    pub(super) rest: Vec<Rest>,
-    pub(super) metrics: Vec<Metrics>,
+    below: Below<'a>,
+    rest: Vec<Rest>,
+    /// Area of every triangle of the moving mesh in space.
+    areas: Vec<f64>,
+    /// No area below this one has a say.
+    floor: f64,
+    /// For every triangle that has a say what it saw, and where it was then.
+    model: Vec<Option<(Seen, [DVec2; 3])>>,
+    /// Where all vertices were then.
+    start: Vec<DVec2>,
+    /// Energy of all triangles when it was last looked at.
+    before: f64,
+    model_kind: Model,
+}
+
+/// Energy of a triangle and the area it counts for: their ratio is 1 for an isometry.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Weighed {
+    pub energy: f64,
+    pub weight: f64,
+}
+
+/// Halvings of the way back before nothing is left of the moves.
+const HALVINGS: usize = 4;
+
+/// What lies below the moving mesh.
+enum Below<'a> {
+    /// The plane itself; the metrics of the triangles never change.
+    Plane(Vec<Metrics>),
+    /// Another mesh, with the fixed triangle where each moving one was last seen.
+    Mesh { ground: Ground<'a>, overlay: Overlay<'a>, seats: Vec<u32> },
 }
 
 impl<'a> Smoother<'a> {
-    /// Gathers the metrics of `fixed` over every triangle of `moving`.
-    pub fn new(moving: &'a mut Domain, fixed: &Domain) -> Self {
-        let rest = moving.triangles.iter().map(|t| Rest::new(metric::flatten(spatial(moving, t)))).collect();
-        let metrics = gather(moving, fixed);
-        Smoother { fans: moving.fans(), moving, rest, metrics }
+    /// A mesh over another one: the energy is that of the composed map.
+    pub fn new(moving: &'a mut Domain, fixed: &'a Domain, model: Model) -> Self {
+        let ground = Ground::new(fixed);
+        let seats = vec![0; moving.triangles.len()];
+        Self::over(moving, Below::Mesh { overlay: ground.overlay(), ground, seats }, model)
     }
 
     /// A patch over the flat triangle of its frame, scaled to the patch's area: for embeddings of one mesh alone.
     pub fn flat(moving: &'a mut Domain, frame: &Frame) -> Self {
-        let rest = moving.triangles.iter().map(|t| Rest::new(metric::flatten(spatial(moving, t)))).collect();
         let areas = areas(moving);
-        let total: f64 = areas.iter().sum();
-        let unit = (total / frame.area()).sqrt();
+        let unit = (areas.iter().sum::<f64>() / frame.area()).sqrt();
         let derivative = [frame.first, frame.second].map(|d| (d * unit).extend(0.0));
         let weigh = |&area: &f64| {
             let mut metrics = Metrics::NONE;
-            if area > NEGLIGIBLE * total / areas.len() as f64 {
-                metrics.add(derivative, area);
-            }
+            metrics.add(derivative, area);
             metrics
         };
         let metrics = areas.iter().map(weigh).collect();
-        Smoother { fans: moving.fans(), moving, rest, metrics }
+        Self::over(moving, Below::Plane(metrics), Model::Held)
     }
 
-    /// Energy of all triangles, each capped at `CAP` times its weight: the area of the domain's meshes for an isometry.
+    fn over(moving: &'a mut Domain, below: Below<'a>, model_kind: Model) -> Self {
+        let rest = moving.triangles.iter().map(|t| Rest::new(metric::flatten(moving.spatial(t)))).collect();
+        let areas = areas(moving);
+        let start = moving.positions.clone();
+        let mut smoother = Smoother {
+            moving,
+            below,
+            rest,
+            floor: floor(&areas),
+            areas,
+            model: Vec::new(),
+            start,
+            before: 0.0,
+            model_kind,
+        };
+        smoother.look();
+        smoother
+    }
+
+    /// Makes the model of one triangle anew where its corners are now.
+    pub(super) fn look_at(&mut self, t: usize) {
+        let corners = self.moving.triangle(t);
+        self.model[t] = self.see(t, corners, true).map(|s| (s, corners));
+    }
+
+    /// Energy of a triangle and the area it counts for; none if it has no say.
+    pub(super) fn exact_energy_of(&mut self, t: usize) -> Option<Weighed> {
+        let corners = self.moving.triangle(t);
+        let metrics = self.see(t, corners, false)?.metrics;
+        Some(Weighed { energy: self.rest[t].energy(&metrics, corners), weight: metrics.weight })
+    }
+
+    /// Makes the model of the energy where the vertices are now.
+    pub fn look(&mut self) {
+        self.start.clone_from(&self.moving.positions);
+        self.before = 0.0;
+        self.model.clear();
+        for t in 0..self.rest.len() {
+            let corners = self.moving.triangle(t);
+            let seen = self.see(t, corners, self.model_kind == Model::Tangent);
+            self.before += seen.as_ref().map_or(0.0, |s| self.rest[t].energy(&s.metrics, corners));
+            self.model.push(seen.map(|s| (s, corners)));
+        }
+    }
+
+    /// Energy where it was last looked at: the mean area of both meshes for an isometry.
     pub fn energy(&self) -> f64 {
-        let one = |t: usize| {
-            let [p, b, c] = self.moving.triangle(t);
-            let energy = self.rest[t].energy(&self.metrics[t], 0, p, b, c);
-            if self.has_say(t) { energy.min(CAP * self.metrics[t].weight) } else { 0.0 }
-        };
-        (0..self.rest.len()).map(one).sum()
+        self.before
     }
 
-    /// Energy of all triangles, none capped.
-    pub(super) fn raw_energy(&self) -> f64 {
-        let one = |t: usize| {
-            let [p, b, c] = self.moving.triangle(t);
-            if self.has_say(t) { self.rest[t].energy(&self.metrics[t], 0, p, b, c) } else { 0.0 }
-        };
-        (0..self.rest.len()).map(one).sum()
-    }
-
-    pub(super) fn has_say(&self, t: usize) -> bool {
-        self.metrics[t] != Metrics::NONE
-    }
-
-    /// Moves every free vertex once, in order or in reverse order; returns how many moved.
-    pub fn sweep(&mut self, backwards: bool) -> usize {
-        let n = self.moving.vertices.len();
-        let order = |i: usize| if backwards { n - 1 - i } else { i };
-        (0..n).map(order).filter(|&v| self.moving.free[v] && self.improve(v)).count()
-    }
-
-    fn improve(&mut self, v: usize) -> bool {
-        let start = self.local(v);
-        let Some(step) = newton_step(&start) else { return false };
-        let goal = start.energy * (1.0 - LEAST_GAIN);
-        let from = self.moving.positions[v];
-        for k in 0..=HALVINGS {
-            let p = from + step * 0.5f64.powi(k as i32);
-            if self.keeps_orientation(v, p) && self.energy_at(v, p) < goal {
-                self.moving.positions[v] = p;
-                return true;
+    /// Looks again after moves and takes back as much as it must for the energy to fall. The model is then out of date.
+    pub fn settle(&mut self) {
+        for _ in 0..=HALVINGS {
+            let after = self.exact_energy();
+            if after < self.before {
+                self.before = after;
+                return;
+            }
+            for (p, q) in self.moving.positions.iter_mut().zip(&self.start) {
+                *p = (*p + *q) * 0.5;
             }
         }
-        false
+        self.moving.positions.clone_from(&self.start);
     }
 
-    fn local(&self, v: usize) -> Local {
-        let mut sum = Local::default();
-        for &(t, i) in self.fans.around(v).iter().filter(|&&(t, _)| self.has_say(t as usize)) {
-            let [b, c] = self.others(t, i);
-            let at = self.moving.positions[v];
-            let local = self.rest[t as usize].local(&self.metrics[t as usize], i as usize, at, b, c);
-            sum.energy += local.energy;
-            sum.gradient += local.gradient;
-            sum.hessian += local.hessian;
+    fn exact_energy(&mut self) -> f64 {
+        let mut sum = 0.0;
+        for t in 0..self.rest.len() {
+            let corners = self.moving.triangle(t);
+            sum += self.see(t, corners, false).map_or(0.0, |seen| self.rest[t].energy(&seen.metrics, corners));
         }
         sum
     }
 
-    fn energy_at(&self, v: usize, p: DVec2) -> f64 {
-        let ring = self.fans.around(v).iter().filter(|&&(t, _)| self.has_say(t as usize));
-        ring.map(|&(t, i)| {
-            let [b, c] = self.others(t, i);
-            self.rest[t as usize].energy(&self.metrics[t as usize], i as usize, p, b, c)
-        })
-        .sum()
+    /// The model's energy of a triangle where its corners are now; none if it has no say.
+    pub(super) fn model_energy(&self, t: usize) -> Option<f64> {
+        let (seen, then) = self.model[t].as_ref()?;
+        let now = self.moving.triangle(t);
+        let linear: f64 = (0..3).map(|i| seen.slope[i].dot(now[i] - then[i])).sum();
+        Some(self.rest[t].energy(&seen.metrics, now) + linear)
     }
 
-    /// The two corners of `t` after corner `i`.
-    fn others(&self, t: u32, i: u8) -> [DVec2; 2] {
-        let corners = self.moving.triangles[t as usize];
-        [1, 2].map(|k| self.moving.positions[corners[(i as usize + k) % 3] as usize])
+    /// Derivatives of the model's energy of a triangle; none if it has no say.
+    pub(super) fn model_block(&self, t: usize) -> Option<Block> {
+        let (seen, _) = self.model[t].as_ref()?;
+        let mut block = self.rest[t].block(&seen.metrics, self.moving.triangle(t));
+        (0..3).for_each(|i| block.gradient[i] += seen.slope[i]);
+        Some(block)
     }
 
-    fn keeps_orientation(&self, v: usize, p: DVec2) -> bool {
-        let old = self.moving.positions[v];
-        self.fans.around(v).iter().all(|&(t, i)| {
-            let [b, c] = self.others(t, i);
-            (b - p).perp_dot(c - p) > KEEP_AREA * (b - old).perp_dot(c - old)
-        })
-    }
-}
-
-fn spatial(domain: &Domain, t: &[u32; 3]) -> [glam::DVec3; 3] {
-    t.map(|v| domain.points[v as usize])
-}
-
-/// The metrics of `fixed` over every triangle of `moving`: half the weight from each mesh's areas.
-fn gather(moving: &Domain, fixed: &Domain) -> Vec<Metrics> {
-    let mut metrics = vec![Metrics::NONE; moving.triangles.len()];
-    let areas = areas(moving);
-    let floor = NEGLIGIBLE * areas.iter().sum::<f64>() / areas.len() as f64;
-    let mut near = 0;
-    for (t, &area) in areas.iter().enumerate().filter(|&(_, &area)| area > floor) {
-        near = walk(fixed, near, centroid(moving, t)).triangle;
-        metrics[t].add(derivative(fixed, near), 0.5 * area);
-    }
-    near = 0;
-    for (t, area) in self::areas(fixed).into_iter().enumerate() {
-        near = walk(moving, near, centroid(fixed, t)).triangle;
-        if areas[near as usize] > floor {
-            metrics[near as usize].add(derivative(fixed, t as u32), 0.5 * area);
+    fn see(&mut self, t: usize, corners: [DVec2; 3], slopes: bool) -> Option<Seen> {
+        if self.areas[t] <= self.floor {
+            return None;
+        }
+        match &mut self.below {
+            Below::Plane(metrics) => Some(Seen { metrics: metrics[t], slope: [DVec2::ZERO; 3], seat: 0 }),
+            Below::Mesh { ground, overlay, seats } => {
+                let above = Above { corners, rest: self.rest[t], area: self.areas[t] };
+                let seen = ground.gather(overlay, &above, seats[t], slopes);
+                seats[t] = seen.seat;
+                Some(seen)
+            }
         }
     }
-    metrics
-}
-
-fn areas(domain: &Domain) -> Vec<f64> {
-    domain.triangles.iter().map(|t| metric::area(spatial(domain, t))).collect()
-}
-
-fn centroid(domain: &Domain, t: usize) -> DVec2 {
-    let [a, b, c] = domain.triangle(t);
-    (a + b + c) / 3.0
-}
-
-fn derivative(domain: &Domain, triangle: u32) -> [glam::DVec3; 2] {
-    Spot { triangle, weights: [0.0; 3] }.derivative(domain)
 }

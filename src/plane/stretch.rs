@@ -77,6 +77,27 @@ impl Frame {
         DVec2::new(q.perp_dot(self.second) / det, self.first.perp_dot(q) / det)
     }
 
+    fn corner(&self, k: usize) -> DVec2 {
+        [DVec2::ZERO, self.first, self.second][k % 3]
+    }
+
+    /// Length of side `k`.
+    pub fn length(&self, k: usize) -> f64 {
+        self.corner(k).distance(self.corner(k + 1))
+    }
+
+    /// Angle at corner `k`, in radians.
+    pub fn angle(&self, k: usize) -> f64 {
+        (self.corner(k + 1) - self.corner(k)).angle_to(self.corner(k + 2) - self.corner(k))
+    }
+
+    /// Where the corner opposite to `side` lies when that side is laid from (0, 0) to (1, 0).
+    pub fn apex_over(&self, side: usize) -> DVec2 {
+        let [a, b, c] = [0, 1, 2].map(|k| self.corner(side + k));
+        let along = (b - a) / (b - a).length_squared();
+        DVec2::new((c - a).dot(along), along.perp_dot(c - a))
+    }
+
     /// Area of the frame's triangle.
     pub fn area(&self) -> f64 {
         self.first.perp_dot(self.second) * 0.5

@@ -40,17 +40,6 @@ impl Metrics {
     }
 }
 
-/// Energy with its first and second derivative by the moved corner.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Local {
-    /// Energy.
-    pub energy: f64,
-    /// First derivative.
-    pub gradient: DVec2,
-    /// Second derivative.
-    pub hessian: DMat2,
-}
-
 /// First and second derivatives of a triangle's energy by its three corners.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
@@ -63,51 +52,24 @@ pub struct Block {
 /// A triangle at rest.
 #[derive(Clone, Copy, Debug)]
 pub struct Rest {
-    /// Corners in a plane of its own.
-    corners: [DVec2; 3],
+    /// Maps its two edges at the first corner to the unit vectors.
+    inverse: DMat2,
 }
 
 impl Rest {
-    /// From the corners in a plane, counter-clockwise.
-    pub fn new(corners: [DVec2; 3]) -> Self {
-        Rest { corners }
+    /// From the corners in a plane of its own, counter-clockwise.
+    pub fn new([a, b, c]: [DVec2; 3]) -> Self {
+        Rest { inverse: DMat2::from_cols(b - a, c - a).inverse() }
     }
 
-    /// Maps the two edges at corner `i` to the unit vectors.
-    fn inverse(&self, i: usize) -> DMat2 {
-        let at = |k: usize| self.corners[(i + k) % 3] - self.corners[i];
-        DMat2::from_cols(at(1), at(2)).inverse()
-    }
-
-    /// Energy with corner `i` at `p` and the next two corners at `b` and `c`; infinite unless they turn left.
-    pub fn energy(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> f64 {
-        let m = DMat2::from_cols(b - p, c - p) * self.inverse(i);
+    /// Energy with the corners at the given places; infinite unless they turn left.
+    pub fn energy(&self, metrics: &Metrics, [p, b, c]: [DVec2; 3]) -> f64 {
+        let m = DMat2::from_cols(b - p, c - p) * self.inverse;
         let det = m.determinant();
         if det.is_nan() || det <= 0.0 {
             return f64::INFINITY;
         }
         (quadratic(metrics.sum, m) + quadratic(metrics.inverse, m) / (det * det)) * 0.25
-    }
-
-    /// Energy and derivatives by `p`. As M changes by a rank-one matrix, its determinant is linear in `p`.
-    pub fn local(&self, metrics: &Metrics, i: usize, p: DVec2, b: DVec2, c: DVec2) -> Local {
-        let inverse = self.inverse(i);
-        let m = DMat2::from_cols(b - p, c - p) * inverse;
-        let r = DVec2::new(inverse.x_axis.x + inverse.x_axis.y, inverse.y_axis.x + inverse.y_axis.y);
-        let det = m.determinant();
-        let cofactor = DMat2::from_cols(DVec2::new(m.y_axis.y, -m.y_axis.x), DVec2::new(-m.x_axis.y, m.x_axis.x));
-        let (a, w) = (metrics.inverse * (m * r), cofactor * r);
-        let q = quadratic(metrics.inverse, m);
-        let d2 = det * det;
-        let gradient = metrics.sum * (m * r) * -2.0 - a * (2.0 / d2) + w * (2.0 * q / (d2 * det));
-        let hessian = (metrics.sum + metrics.inverse * (1.0 / d2)) * (2.0 * r.length_squared())
-            - (outer(a, w) + outer(w, a)) * (4.0 / (d2 * det))
-            + outer(w, w) * (6.0 * q / (d2 * d2));
-        Local {
-            energy: (quadratic(metrics.sum, m) + q / d2) * 0.25,
-            gradient: gradient * 0.25,
-            hessian: hessian * 0.25,
-        }
     }
 
     /// Derivatives by all three corners, the second one made positive semidefinite.
@@ -116,7 +78,7 @@ impl Rest {
     /// 2 tr(dM' Q dM) / D^2 - 8 tr(M' Q dM) dD / D^3 + 6 q dD^2 / D^4 - 2 q d2D / D^3. The last part is left out and the
     /// 6 becomes an 8; what remains is twice the square of Q^(1/2) (dM / D - 2 M dD / D^2).
     pub fn block(&self, metrics: &Metrics, [p, b, c]: [DVec2; 3]) -> Block {
-        let inverse = self.inverse(0);
+        let inverse = self.inverse;
         let m = DMat2::from_cols(b - p, c - p) * inverse;
         let det = m.determinant();
         let (d2, d3) = (det * det, det * det * det);
@@ -157,22 +119,3 @@ fn quadratic(s: DMat2, m: DMat2) -> f64 {
 fn outer(a: DVec2, b: DVec2) -> DMat2 {
     DMat2::from_cols(a * b.x, a * b.y)
 }
-
-/// The Newton step -H^-1 g with the eigenvalues of H replaced by their magnitudes, so that it always descends.
-///
-/// None if the step is not finite.
-pub fn newton_step(local: &Local) -> Option<DVec2> {
-    let h = local.hessian;
-    let (a, b, c) = (h.x_axis.x, 0.5 * (h.x_axis.y + h.y_axis.x), h.y_axis.y);
-    let (mean, half) = (0.5 * (a + c), 0.5 * (a - c));
-    let radius = half.hypot(b);
-    let axis = if b == 0.0 && half >= 0.0 { DVec2::X } else { DVec2::new(b, radius - half).normalize_or(DVec2::Y) };
-    let floor = LEAST_CURVATURE * (mean.abs() + radius);
-    let along = local.gradient.dot(axis) / (mean + radius).abs().max(floor);
-    let across = local.gradient.dot(axis.perp()) / (mean - radius).abs().max(floor);
-    let step = -(axis * along + axis.perp() * across);
-    step.is_finite().then_some(step)
-}
-
-/// Eigenvalues of the second derivative below this share of the largest count as that share: steps stay bounded.
-const LEAST_CURVATURE: f64 = 1e-3;

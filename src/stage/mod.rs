@@ -14,4 +14,5 @@ pub mod rebuild;
 pub mod relax;
 pub mod stretch;
 pub mod trace;
+pub mod untangle;
 pub mod write;

@@ -1,57 +1,59 @@
 //! Stage: the composed map relaxed, certificate kept.
 //!
-//! Input: an embedding. Output: the same with lower symmetric Dirichlet energy of the map in both directions. The two
-//! patches at an arc are glued into one domain, the vertices of either mesh move in it while the other holds still, and
-//! the arc is read off again as the straight segment between its ends: a Schwarz iteration over all arcs, parallel over
-//! arcs that share no patch. Invariant: every patch stays embedded; a domain whose energy does not fall, or whose arc
+//! Input: an embedding. Output: the same with lower symmetric Dirichlet energy of the map in both directions. The
+//! patches around a base vertex are glued into one domain, the base vertex pinned; the vertices of either mesh move in it
+//! while the other holds still, and the arcs are read off again as the straight segments between their ends. Arcs that no
+//! such star holds get a domain of their two patches. This is a Schwarz iteration over overlapping domains, parallel over
+//! domains that share no patch. Invariant: every patch stays embedded; a domain whose energy does not fall, or whose arcs
 //! cannot be read, is left as it was.
 
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::purge::purge;
-use crate::map::recut::{Pair, recut};
-use crate::mesh::{ArcId, Id, IdVec, PatchId, TriMesh, VertexId};
-use crate::path::base_complex::NO_PATCH;
+use crate::map::recut::{Relaxed, recut_all};
+use crate::mesh::{Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::plane::convex::is_embedded;
-use crate::plane::diagonal::{Segment, read_segment};
-use crate::plane::domain::{Domain, Placement};
+use crate::plane::domain::Domain;
 use crate::plane::newton::newton;
-use crate::plane::smooth::Smoother;
+use crate::plane::smooth::{Model, Smoother};
+use crate::plane::straighten::straighten;
+use crate::plane::sweep::{sweep, sweep_exactly};
+use crate::plane::tiling::Tiling;
 use glam::DVec3;
 use rayon::prelude::*;
+
+/// How far from a vertex, as a share of an edge, an arc's new way may miss it and still be led through it; the first that
+/// leaves the energy below what it was.
+const SNAPS: [f64; 3] = [0.2, 0.05, 0.0];
 
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxOptions {
-    /// Newton steps before the sweeps.
-    pub newton: usize,
-    /// Sweeps of one mesh's vertices over the other mesh before their roles are exchanged.
+    /// Sweeps of single moves of one mesh's vertices over the other, in coarse rounds.
     pub sweeps: usize,
-    /// Exchanges of roles in one visit of a domain.
+    /// Newton steps of one mesh over the other after them.
+    pub newton: usize,
+    /// Exchanges of the meshes' roles in one visit of a domain, in coarse rounds.
     pub exchanges: usize,
-    /// Visits of every domain.
-    pub rounds: usize,
-    /// The relaxation ends when a round lowers the energy by less than this share; 0 runs all rounds.
+    /// Coarse visits of every domain: metrics are held while vertices move, which goes far in little time.
+    pub coarse_rounds: usize,
+    /// Fine visits of every domain: moves follow the gradient of the energy itself.
+    pub fine_rounds: usize,
+    /// A row of rounds ends when one lowers the energy by less than this share; 0 runs all rounds.
     pub tolerance: f64,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { newton: 1, sweeps: 2, exchanges: 2, rounds: 6, tolerance: 5e-3 }
+        RelaxOptions { sweeps: 2, newton: 1, exchanges: 2, coarse_rounds: 1, fine_rounds: 3, tolerance: 5e-3 }
     }
 }
 
 impl RelaxOptions {
     /// A short relaxation, after which candidates can be told apart.
     pub fn trial() -> Self {
-        RelaxOptions { rounds: 2, tolerance: 0.0, ..Self::default() }
+        RelaxOptions { coarse_rounds: 1, fine_rounds: 0, tolerance: 0.0, ..Self::default() }
     }
-}
-
-/// One mesh's share of a relaxed domain: the domain, and where the arc runs in it.
-struct Relaxed {
-    domain: Domain,
-    segment: Segment,
 }
 
 /// Relaxes the inside of every patch, arcs held; returns the energy before and after every round.
@@ -59,10 +61,10 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
     let scale = unit_scale(meshes);
     let mut history = vec![energy(meshes, embedding)];
     let patches: Vec<PatchId> = embedding.base.patches.ids().collect();
-    for _ in 0..options.rounds {
+    for _ in 0..options.coarse_rounds + options.fine_rounds {
         let relax = |&p: &PatchId| {
             let mut domains = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
-            alternate(&mut domains, options).then_some(domains)
+            alternate(&mut domains, Model::Tangent, options).map(|_| domains)
         };
         let relaxed: Vec<Option<[Domain; 2]>> = patches.par_iter().map(relax).collect();
         for (&p, result) in patches.iter().zip(relaxed) {
@@ -84,24 +86,26 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
 /// Relaxes across all arcs; returns the energy before and after every round.
 pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &RelaxOptions) -> Result<Vec<f64>> {
     let scale = unit_scale(meshes);
-    let groups = independent_arcs(embedding);
+    let groups = independent_domains(embedding);
     let mut history = vec![energy(meshes, embedding)];
-    for _ in 0..options.rounds {
-        for group in &groups {
-            let visit = |pair: &Pair| relax_pair(embedding, pair, scale, options);
-            let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
-            apply(meshes, embedding, group, &relaxed)?;
-        }
-        clean_up(meshes, embedding)?;
-        if settled(&mut history, energy(meshes, embedding), options) {
-            break;
+    for (model, rounds) in [(Model::Held, options.coarse_rounds), (Model::Tangent, options.fine_rounds)] {
+        for _ in 0..rounds {
+            for group in &groups {
+                let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, model, options);
+                let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
+                recut_all(meshes, embedding, group, &relaxed)?;
+            }
+            clean_up(meshes, embedding)?;
+            if settled(&mut history, energy(meshes, embedding), options) {
+                break;
+            }
         }
     }
     Ok(history)
 }
 
 /// Factors from mesh units to unit area.
-fn unit_scale(meshes: [&TriMesh; 2]) -> [f64; 2] {
+pub(super) fn unit_scale(meshes: [&TriMesh; 2]) -> [f64; 2] {
     meshes.map(|m| 1.0 / m.area().sqrt())
 }
 
@@ -110,7 +114,7 @@ pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
     let scale = unit_scale(meshes);
     let one = |p: PatchId| {
         let [mut source, target] = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
-        Smoother::new(&mut source, &target).energy()
+        Smoother::new(&mut source, &target, Model::Held).energy()
     };
     let patches: Vec<PatchId> = embedding.base.patches.ids().collect();
     let energies: Vec<f64> = patches.into_par_iter().map(one).collect();
@@ -124,49 +128,40 @@ fn settled(history: &mut Vec<f64>, now: f64, options: &RelaxOptions) -> bool {
     before.is_finite() && now > before * (1.0 - options.tolerance)
 }
 
-/// Writes the results of one group of domains into both meshes, side by side.
-fn apply(
-    meshes: [&TriMesh; 2],
-    embedding: &mut Embedding,
-    group: &[Pair],
-    relaxed: &[Option<[Relaxed; 2]>],
-) -> Result<()> {
-    let Embedding { base, meshes: embedded, .. } = embedding;
-    let write = |(k, mesh): (usize, &mut _)| {
-        for (pair, result) in group.iter().zip(relaxed) {
-            if let Some(sides) = result {
-                recut(meshes[k], mesh, base, pair, &sides[k].domain, &sides[k].segment)?;
-            }
-        }
-        Ok(())
-    };
-    let results: Vec<Result<()>> = embedded.par_iter_mut().enumerate().map(write).collect();
-    results.into_iter().collect()
-}
-
 /// Removes the vertices that arcs left behind.
 fn clean_up(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Result<()> {
-    let Embedding { base, meshes: embedded, .. } = embedding;
-    let [source, target] = embedded;
-    let (a, b) = rayon::join(|| purge(meshes[0], source, base, 1), || purge(meshes[1], target, base, 1));
-    a?;
-    b?;
-    Ok(())
+    let scale = unit_scale(meshes);
+    let Embedding { base, meshes: [source, target], .. } = embedding;
+    purge([meshes[0], meshes[1]], [source, target], base, scale)?;
+    purge([meshes[1], meshes[0]], [target, source], base, [scale[1], scale[0]])
 }
 
-fn relax_pair(embedding: &Embedding, pair: &Pair, scale: [f64; 2], options: &RelaxOptions) -> Option<[Relaxed; 2]> {
-    let mut domains = [0, 1].map(|k| {
+/// The two meshes' parts of a domain.
+pub(super) fn domains(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2]) -> [Domain; 2] {
+    [0, 1].map(|k| {
         let mesh = &embedding.meshes[k];
-        let discs = pair.patches.map(|p| &mesh.discs[p]);
         let points = |v: VertexId| -> DVec3 { mesh.cut.positions[v] * scale[k] };
-        Domain::of_pair(discs, [&pair.placements[0], &pair.placements[1]], &mesh.shares[pair.arc], &points)
-    });
-    if !alternate(&mut domains, options) {
-        return None;
-    }
-    let [first, second] = [read_segment(&mut domains[0])?, read_segment(&mut domains[1])?];
-    let [source, target] = domains;
-    Some([Relaxed { domain: source, segment: first }, Relaxed { domain: target, segment: second }])
+        Domain::of_tiling(tiling, &|p| &mesh.discs[p], &mesh.shares, &points)
+    })
+}
+
+fn relax_domain(
+    embedding: &Embedding,
+    tiling: &Tiling,
+    scale: [f64; 2],
+    model: Model,
+    options: &RelaxOptions,
+) -> Option<[Relaxed; 2]> {
+    let mut domains = domains(embedding, tiling, scale);
+    let before = alternate(&mut domains, model, options)?;
+    SNAPS.iter().find_map(|&snap| {
+        let [mut source, mut target] = domains.clone();
+        let straight = [straighten(&mut source, tiling, snap)?, straighten(&mut target, tiling, snap)?];
+        let after = Smoother::new(&mut source, &target, Model::Held).energy();
+        let [first, second] = straight;
+        let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
+        (after < before).then_some(relaxed)
+    })
 }
 
 fn patch_domain(embedding: &Embedding, p: PatchId, k: usize, scale: f64) -> Domain {
@@ -174,55 +169,54 @@ fn patch_domain(embedding: &Embedding, p: PatchId, k: usize, scale: f64) -> Doma
     Domain::of_patch(&mesh.discs[p], &|v: VertexId| -> DVec3 { mesh.cut.positions[v] * scale })
 }
 
-/// Moves the source's vertices over the target and the target's over the source in turn; true if the energy fell.
-fn alternate([source, target]: &mut [Domain; 2], options: &RelaxOptions) -> bool {
-    let before = Smoother::new(source, target).energy();
-    for _ in 0..options.exchanges {
-        smooth(source, target, options);
-        smooth(target, source, options);
+/// Moves the source's vertices over the target and the target's over the source in turn; returns the energy before.
+///
+/// None if nothing moved.
+fn alternate([source, target]: &mut [Domain; 2], model: Model, options: &RelaxOptions) -> Option<f64> {
+    let mut first = None;
+    let exchanges = if model == Model::Held { options.exchanges } else { 1 };
+    for _ in 0..exchanges {
+        first = first.or(smooth(source, target, model, options));
+        first = first.or(smooth(target, source, model, options));
     }
-    let after = Smoother::new(source, target).energy();
-    after < before || !before.is_finite()
+    first
 }
 
-fn smooth(moving: &mut Domain, fixed: &Domain, options: &RelaxOptions) {
-    for _ in 0..options.newton {
-        if !newton(&mut Smoother::new(moving, fixed)) {
-            break;
+/// Moves one mesh's vertices over the other; returns the energy before if it fell.
+fn smooth(moving: &mut Domain, fixed: &Domain, model: Model, options: &RelaxOptions) -> Option<f64> {
+    let mut smoother = Smoother::new(moving, fixed, model);
+    let before = smoother.energy();
+    match model {
+        Model::Held => (0..options.sweeps).for_each(|k| sweep(&mut smoother, k % 2 == 1)),
+        Model::Tangent => {
+            sweep_exactly(&mut smoother);
+            smoother.look();
         }
     }
-    let mut smoother = Smoother::new(moving, fixed);
-    for sweep in 0..options.sweeps {
-        if smoother.sweep(sweep % 2 == 1) == 0 {
-            break;
-        }
-    }
+    (0..options.newton).take_while(|_| newton(&mut smoother)).for_each(drop);
+    smoother.settle();
+    (smoother.energy() < before).then_some(before)
 }
 
-/// Groups of arcs whose domains share no patch; arcs on the boundary and with one patch on both sides are left out.
-fn independent_arcs(embedding: &Embedding) -> Vec<Vec<Pair>> {
-    let side_of = embedding.base.side_of();
-    let mut groups: Vec<(IdVec<PatchId, bool>, Vec<Pair>)> = Vec::new();
-    for arc in embedding.base.arcs.ids() {
-        let [(p, i), (q, j)] = [side_of[2 * arc.index()], side_of[2 * arc.index() + 1]];
-        if p == q || [p, q].contains(&NO_PATCH) {
-            continue;
-        }
-        let pair = pair_of(embedding, arc, [(p, i), (q, j)]);
-        let free = groups.iter().position(|(used, _)| !used[p] && !used[q]);
-        let at = free.unwrap_or_else(|| {
-            groups.push((IdVec::filled(false, embedding.base.patches.len()), Vec::new()));
+/// Groups of domains that share no patch: stars of base vertices, and the arcs that no star holds.
+pub(super) fn independent_domains(embedding: &Embedding) -> Vec<Vec<Tiling>> {
+    let Embedding { base, frames, .. } = embedding;
+    let side_of = base.side_of();
+    let star = |l| Tiling::of_star(base, &side_of, frames, LandmarkId::new(l));
+    let mut tilings: Vec<Tiling> = (0..base.landmarks).filter_map(star).collect();
+    let mut held = IdVec::filled(false, base.arcs.len());
+    tilings.iter().flat_map(|t| &t.seams).for_each(|seam| held[seam.arc] = true);
+    let alone = base.arcs.ids().filter(|&a| !held[a]);
+    tilings.extend(alone.filter_map(|a| Tiling::of_arc(base, &side_of, frames, a)));
+    let mut groups: Vec<(IdVec<PatchId, bool>, Vec<Tiling>)> = Vec::new();
+    for tiling in tilings {
+        let free = |used: &IdVec<PatchId, bool>| tiling.tiles.iter().all(|t| !used[t.patch]);
+        let at = groups.iter().position(|(used, _)| free(used)).unwrap_or_else(|| {
+            groups.push((IdVec::filled(false, base.patches.len()), Vec::new()));
             groups.len() - 1
         });
-        groups[at].0[p] = true;
-        groups[at].0[q] = true;
-        groups[at].1.push(pair);
+        tiling.tiles.iter().for_each(|t| groups[at].0[t.patch] = true);
+        groups[at].1.push(tiling);
     }
-    groups.into_iter().map(|(_, pairs)| pairs).collect()
-}
-
-fn pair_of(embedding: &Embedding, arc: ArcId, [(p, i), (q, j)]: [(PatchId, usize); 2]) -> Pair {
-    let frames = [embedding.frames[p], embedding.frames[q]];
-    let placements = [Placement::above(i, &frames[0]), Placement::below(j, &frames[1])];
-    Pair { arc, patches: [p, q], placements, frames }
+    groups.into_iter().map(|(_, tilings)| tilings).collect()
 }
