@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Names by which a mesh file's format is chosen; the first leaves it to the content.
 const MESHES: [&str; 7] = ["a", "a.obj", "a.off", "a.ply", "a.stl", "a.gltf", "a.glb"];
-/// Largest mesh of a pair; more vertices cost time and find nothing else.
+/// Most splits of a mesh of a pair; more vertices cost time and find nothing else.
 const MOST_SPLITS: usize = 24;
 
 /// A mesh file is refused with a reason, or its mesh can be checked, and written and read again without a change.
@@ -43,10 +43,11 @@ fn assert_readable(mesh: &MeshFile) {
 /// is the number of bytes, in units of four, of a second file; none if it is zero.
 pub fn landmarks(bytes: &[u8]) {
     let Some((&split, bytes)) = bytes.split_first() else { return };
-    let (first, second) = bytes.split_at(bytes.len().min(4 * usize::from(split)));
-    let second = (split > 0).then_some((Path::new("b"), second));
+    let (first, second) = match 4 * usize::from(split) {
+        0 => (bytes, None),
+        n => bytes.split_at_checked(n).map_or((bytes, None), |(a, b)| (a, Some((Path::new("b"), b)))),
+    };
     let [source, target] = [icosphere(0), octahedron()].map(|mesh| MeshFile::of(&mesh));
-    let (first, second) = if split > 0 { (first, second) } else { (bytes, None) };
     match parse_landmarks((Path::new("a"), first), second, &source, &target) {
         Err(error) => assert_helpful(&error),
         Ok(found) => {
@@ -128,7 +129,7 @@ fn pierced(mesh: TriMesh, holes: usize) -> TriMesh {
         }
     }
     let faces: Vec<_> = mesh.conn.faces().filter(|f| !removed[f.index()]).map(|f| mesh.face(f)).collect();
-    TriMesh::new(mesh.positions.raw.clone(), &faces).unwrap_or(mesh)
+    TriMesh::new(mesh.positions.raw.clone(), &faces).expect("holes that do not touch leave a manifold")
 }
 
 /// A torus and its mirror image joined where either lacks its first face.

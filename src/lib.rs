@@ -11,7 +11,8 @@
 //! ```text
 //!  two files, landmarks
 //!        | load       vertices keep their order and number            mesh::io
-//!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check
+//!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check, path::handedness
+//!        |            from here on in canonical order                 mesh::canonical
 //!        | cluster    the landmarks' surface Voronoi cells             path::front, path::cluster
 //!        | trace      arcs on one mesh, carried over to the other      path::search, path::region
 //!        v
@@ -25,6 +26,7 @@
 //!        v
 //!    SurfaceMap       for every vertex a face of the other mesh and barycentric coordinates
 //!        | bake       sample both meshes over one atlas                map::atlas, kernel::resample
+//!        |            from here on in the files' order
 //!        | write      a folder that appears complete or not at all     map::report
 //!        v
 //!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
@@ -73,6 +75,7 @@
 //! | frame | the triangle in the plane, with the arcs' lengths as sides, in which a patch's stretch is measured |
 //! | embedding | positions of a patch's vertices in its reference triangle |
 //! | domain | the part of the plane in which a patch, or the two patches at an arc, are relaxed |
+//! | canonical order | vertices and faces along a space-filling curve: ties are decided alike whatever order they came in |
 //! | map | source patch -> base triangle -> target patch |
 //! | compatible mesh | one mesh's vertices and faces at the other's shape |
 //! | atlas, tile | the squares over which both meshes are sampled; a tile holds two patches, or one |

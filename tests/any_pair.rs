@@ -62,7 +62,7 @@ fn named(point: SurfacePoint, mesh: &TriMesh, name: &dyn Fn(VertexId) -> usize) 
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 5, max_shrink_iters: 20, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 4, max_shrink_iters: 20, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn every_pair_gets_a_certified_map((options, pair) in any_pair()) {

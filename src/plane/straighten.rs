@@ -42,7 +42,7 @@ enum Meeting {
 /// Makes all seams of a relaxed domain run along edges.
 ///
 /// An edge crossed nearer to a vertex than the share `snap` of its length gives the vertex a try on the segment: fewer
-/// splits, but the map changes there; 0 leaves it as it is. None if rounding spoils the order of the places on a segment.
+/// splits, but the map changes there. None if rounding spoils the order of the places on a segment.
 pub fn straighten(domain: &mut Domain, tiling: &Tiling, snap: f64) -> Option<Straightened> {
     let mut result = Straightened::default();
     for seam in &tiling.seams {

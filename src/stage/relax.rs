@@ -24,7 +24,9 @@ use rayon::prelude::*;
 
 /// How far from a vertex, as a share of an edge, an arc's new way may miss it and still be led through it; the first that
 /// leaves the energy below what it was.
-const SNAPS: [f64; 3] = [0.2, 0.05, 0.0];
+const SNAPS: [f64; 3] = [0.2, 0.05, LEAST_SNAP];
+/// Vertices that lie on the way but for rounding, and slivers not worth making.
+pub(super) const LEAST_SNAP: f64 = 1e-3;
 
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
@@ -45,7 +47,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { sweeps: 2, newton: 1, exchanges: 2, coarse_rounds: 1, fine_rounds: 3, tolerance: 5e-3 }
+        RelaxOptions { sweeps: 2, newton: 1, exchanges: 2, coarse_rounds: 1, fine_rounds: 3, tolerance: 3e-3 }
     }
 }
 

@@ -3,7 +3,7 @@
 //! Input: a relaxed embedding. Output: the same with some vertices moved a little. Invariant: every patch stays embedded,
 //! and the number of turned triangles does not rise; the energy may, by little and near such triangles alone.
 
-use super::relax::{domains, independent_domains, unit_scale};
+use super::relax::{LEAST_SNAP, domains, independent_domains, unit_scale};
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
@@ -46,12 +46,13 @@ fn visit(
     scale: [f64; 2],
 ) -> Option<(usize, [Relaxed; 2])> {
     let [mut source, mut target] = domains(embedding, tiling, scale);
-    let on_target = untangle(&mut source, &target, &faces(meshes[0], &source));
-    let on_source = untangle(&mut target, &source, &faces(meshes[1], &target));
+    let sampled = [faces(meshes[0], &source), faces(meshes[1], &target)];
+    let on_target = untangle(&mut source, &target, &sampled[0]);
+    let on_source = untangle(&mut target, &source, &sampled[1]);
     if on_target + on_source == 0 {
         return None;
     }
-    let straight = [straighten(&mut source, tiling, 0.0)?, straighten(&mut target, tiling, 0.0)?];
+    let straight = [straighten(&mut source, tiling, LEAST_SNAP)?, straighten(&mut target, tiling, LEAST_SNAP)?];
     let [first, second] = straight;
     let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
     Some((on_target + on_source, relaxed))
