@@ -28,7 +28,7 @@ fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     let layout = layouts(both, base_vertices, &clustered.clusters, 3, 1).expect("a layout").remove(0);
     check::layout(&layout, &meshes);
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
-    relax_arcs(both, &mut embedding, &RelaxOptions { rounds: 1, ..RelaxOptions::default() }).expect("a relaxed map");
+    relax_arcs(both, &mut embedding, &RelaxOptions::trial()).expect("a relaxed map");
     check::embedding(&embedding, &meshes);
     let composed = compose(both, embedding).expect("a map");
     assert!(composed.certificate.bijective, "{:?}", composed.certificate);
