@@ -12,7 +12,7 @@ use std::ops::RangeInclusive;
 /// Genus of the pairs.
 const GENUS: RangeInclusive<usize> = 0..=0;
 /// Boundary loops of the pairs.
-const LOOPS: RangeInclusive<usize> = 0..=0;
+const LOOPS: RangeInclusive<usize> = 0..=3;
 
 prop_compose! {
     fn any_pair()(

@@ -55,10 +55,10 @@ pub fn random_pair(options: &PairOptions, seed: u64) -> RandomPair {
     let centres = random_landmarks(&source, options.loops, random.next_bits());
     let centres: Vec<DVec3> = centres.into_iter().map(|v| source.positions[v]).collect();
     let mut meshes = pierce_both([source, target], &centres);
-    let chosen = random_landmarks(&meshes[0], options.landmarks, random.next_bits());
+    let chosen = inner_landmarks(&meshes[0], options.landmarks, random.next_bits());
     let images = match options.related {
         true => nearest_each(&meshes[1], chosen.iter().map(|&v| meshes[0].positions[v])),
-        false => random_landmarks(&meshes[1], chosen.len(), random.next_bits()),
+        false => inner_landmarks(&meshes[1], chosen.len(), random.next_bits()),
     };
     for mesh in &mut meshes {
         let bend = Bend::random(&mut random);
@@ -180,9 +180,17 @@ impl<'a> Holes<'a> {
     }
 }
 
-/// For every point the nearest vertex that faces use and no earlier point took.
+/// `n` well-spread vertices off the boundary: one on it would have to correspond to one on the other mesh's boundary.
+fn inner_landmarks(mesh: &TriMesh, n: usize, seed: u64) -> Vec<VertexId> {
+    let on_boundary = mesh.conn.vertices().filter(|&v| mesh.conn.is_on_boundary(v)).count();
+    let all = random_landmarks(mesh, n + on_boundary, seed);
+    all.into_iter().filter(|&v| !mesh.conn.is_on_boundary(v)).take(n).collect()
+}
+
+/// For every point the nearest vertex that faces use, off the boundary, and no earlier point took.
 fn nearest_each(mesh: &TriMesh, points: impl Iterator<Item = DVec3>) -> Vec<VertexId> {
-    let mut free: Vec<VertexId> = mesh.conn.vertices().filter(|&v| mesh.conn.leaving(v).is_some()).collect();
+    let is_inner = |v: &VertexId| mesh.conn.leaving(*v).is_some() && !mesh.conn.is_on_boundary(*v);
+    let mut free: Vec<VertexId> = mesh.conn.vertices().filter(is_inner).collect();
     let nearest = |p: DVec3| {
         let distance = |&i: &usize| mesh.positions[free[i]].distance_squared(p);
         let best = (0..free.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
