@@ -118,7 +118,9 @@ impl Carrier<'_> {
             if state.given_up {
                 return true;
             }
-            let placed = self.place(state, arc, limit * self.reference[arc]).unwrap_or_else(|e| {
+            // No limit times a length of zero, between landmarks at one position, is no limit.
+            let longest = if limit.is_finite() { limit * self.reference[arc] } else { limit };
+            let placed = self.place(state, arc, longest).unwrap_or_else(|e| {
                 failure = Some(e);
                 false
             });
