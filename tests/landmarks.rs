@@ -256,6 +256,7 @@ fn sound_files_without_landmarks_leave_the_problem_unsolvable() {
     let table = table("none.csv", "name,source_vertex,target_vertex\n");
     for none in [table, two_files("none.mrk.json", empty, "0 1 2\n")] {
         let error = none.expect_err("no landmarks");
-        assert_eq!((error.kind, error.what.as_str()), (ErrorKind::Unsolvable, "no landmarks"), "{error}");
+        assert_eq!(error.kind, ErrorKind::Unsolvable, "{error}");
+        assert!(error.what.starts_with("no landmarks"), "{error}");
     }
 }
