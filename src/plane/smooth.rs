@@ -185,3 +185,93 @@ impl<'a> Smoother<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::newton::newton;
+    use super::super::sweep::sweep_exactly;
+    use super::*;
+    use crate::mesh::VertexId;
+
+    /// The unit square as a grid of `n` by `n` cells, flat in space; its inner vertices are moved in the plane.
+    fn grid(n: u32, moved: impl Fn(DVec2) -> DVec2) -> Domain {
+        let mut domain = Domain::default();
+        for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
+            let p = DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
+            let inner = i % n != 0 && j % n != 0;
+            domain.vertices.push(VertexId(domain.vertices.len() as u32));
+            domain.positions.push(if inner { moved(p) } else { p });
+            domain.points.push(p.extend(0.0));
+            domain.free.push(inner);
+        }
+        for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
+            let a = j * (n + 1) + i;
+            domain.triangles.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
+        }
+        domain.connect();
+        domain
+    }
+
+    fn swirl(p: DVec2) -> DVec2 {
+        let bump = (p * (DVec2::ONE - p)).element_product();
+        p + DVec2::new(0.9 * bump, -0.6 * bump * p.x)
+    }
+
+    fn energy(moving: &Domain, fixed: &Domain) -> f64 {
+        Smoother::new(&mut moving.clone(), fixed, Model::Held).energy()
+    }
+
+    #[test]
+    fn an_isometry_has_its_area_as_energy() {
+        let [coarse, fine] = [grid(3, |p| p), grid(7, |p| p)];
+        assert!((energy(&coarse, &fine) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_energy_is_the_same_whichever_mesh_moves() {
+        let [one, other] = [grid(4, swirl), grid(7, |p| p)];
+        let [forth, back] = [energy(&one, &other), energy(&other, &one)];
+        assert!(forth > 1.01 && (forth - back).abs() < 1e-10, "{forth} {back}");
+    }
+
+    #[test]
+    fn the_model_has_the_gradient_of_the_energy() {
+        let (mut moving, fixed) = (grid(3, swirl), grid(5, |p| p));
+        let v = (0..moving.free.len()).find(|&v| moving.free[v]).expect("a grid has inner vertices");
+        let mut gradient = DVec2::ZERO;
+        let smoother = Smoother::new(&mut moving, &fixed, Model::Tangent);
+        for t in 0..smoother.moving.triangles.len() {
+            let corners = smoother.moving.triangles[t];
+            let block = smoother.model_block(t).expect("no triangle is negligible");
+            (0..3).filter(|&i| corners[i] as usize == v).for_each(|i| gradient += block.gradient[i]);
+        }
+        let step = 1e-6;
+        for axis in [DVec2::X, DVec2::Y] {
+            let at = |by: f64| {
+                let mut moved = moving.clone();
+                moved.positions[v] += axis * by;
+                energy(&moved, &fixed)
+            };
+            let measured = (at(step) - at(-step)) / (2.0 * step);
+            assert!((measured - gradient.dot(axis)).abs() < 1e-6, "{measured} {gradient}");
+        }
+    }
+
+    #[test]
+    fn relaxed_exactly_a_swirl_unwinds_and_the_energy_never_rises() {
+        let (mut moving, fixed) = (grid(6, swirl), grid(6, |p| p));
+        let mut last = energy(&moving, &fixed);
+        let first = last;
+        for _ in 0..12 {
+            let mut smoother = Smoother::new(&mut moving, &fixed, Model::Tangent);
+            sweep_exactly(&mut smoother);
+            smoother.look();
+            newton(&mut smoother);
+            smoother.settle();
+            let now = smoother.energy();
+            assert!(now <= last + 1e-12, "{now} after {last}");
+            last = now;
+        }
+        assert!(last - 1.0 < 0.02 * (first - 1.0), "{first} to {last}");
+    }
+}
