@@ -15,14 +15,14 @@ use crate::stage::cluster::BaseVertices;
 use crate::stage::compose::{CertifiedMap, Composed, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
-use crate::stage::relax::{RelaxOptions, energy, relax_arcs, relax_patches};
+use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_patches};
 use std::path::PathBuf;
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
 const EDGE_NODES: u32 = 3;
 
-/// Layouts that are embedded and relaxed a little before the best is chosen; more cost time and hardly ever win.
-const CANDIDATES: usize = 2;
+/// Layouts that are embedded and relaxed coarsely before the best is chosen; more cost time and hardly ever win.
+const CANDIDATES: usize = 4;
 
 /// Both meshes embedded, with the layout in numbers and what the user should know.
 pub struct Embedded {
@@ -129,21 +129,22 @@ pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Res
 pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
     pair.then(|checked, mut candidates| {
         let meshes = checked.meshes();
-        for embedded in &mut candidates {
-            embedded.relaxation.method = how.name();
-            embedded.relaxation.energies = match how {
-                Relaxation::None => vec![energy(meshes, &embedded.embedding)],
-                Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &RelaxOptions::default()),
-                Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::trial())?,
-            };
-        }
-        let last = |e: &Embedded| e.relaxation.energies.last().copied().unwrap_or(f64::INFINITY);
-        let best = (0..candidates.len()).min_by(|&a, &b| last(&candidates[a]).total_cmp(&last(&candidates[b])));
-        let mut embedded = candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?);
+        let mut embedded = match candidates.len() {
+            1 => candidates.swap_remove(0),
+            _ => {
+                let promises: Vec<f64> = candidates.iter().map(|e| promise(meshes, &e.embedding)).collect();
+                let best = (0..candidates.len()).min_by(|&a, &b| promises[a].total_cmp(&promises[b]));
+                candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?)
+            }
+        };
+        embedded.relaxation.method = how.name();
+        embedded.relaxation.energies = match how {
+            Relaxation::None => vec![energy(meshes, &embedded.embedding)],
+            Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &RelaxOptions::default()),
+            Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?,
+        };
         if how == Relaxation::Full {
-            let more = relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?;
-            embedded.relaxation.energies.extend(&more[1..]);
-            let turned_back = stage::untangle::untangle_samples(meshes, &mut embedded.embedding)?;
+            let turned_back = stage::polish::polish_samples(meshes, &mut embedded.embedding)?;
             step.detail(format!("{turned_back} sampled triangles turned back"));
         }
         if let [first, .., last] = embedded.relaxation.energies.as_slice() {

@@ -5,7 +5,7 @@
 
 use super::patch_disc::{ArcShares, PatchDisc};
 use super::tiling::{Tile, Tiling};
-use crate::mesh::{PatchId, VertexId};
+use crate::mesh::{PatchId, VertexId, metric};
 use glam::{DVec2, DVec3};
 
 /// Marks the missing neighbour of a triangle at the domain's boundary.
@@ -157,6 +157,11 @@ impl Domain {
             }
         }
         Fans { start, entries }
+    }
+
+    /// Area in space.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|t| metric::area(self.spatial(t))).sum()
     }
 
     /// The corners of a triangle in space.

@@ -17,7 +17,8 @@ const NEGLIGIBLE: f64 = 1e-9;
 /// A mesh that holds still.
 pub struct Ground<'a> {
     domain: &'a Domain,
-    metric: Vec<[DVec3; 2]>,
+    /// The metric of every triangle, with weight 1.
+    metric: Vec<Metrics>,
     /// Half the area in space per area in the plane, 0 for triangles without a say.
     density: Vec<f64>,
 }
@@ -30,6 +31,13 @@ pub struct Seen {
     pub slope: [DVec2; 3],
     /// The fixed triangle at its middle.
     pub seat: u32,
+}
+
+impl Seen {
+    /// Metrics whose weights do not change.
+    pub fn of(metrics: Metrics) -> Self {
+        Seen { metrics, slope: [DVec2::ZERO; 3], seat: 0 }
+    }
 }
 
 /// A triangle over the ground.
@@ -58,9 +66,29 @@ impl<'a> Ground<'a> {
         let planar = |t: usize| metric::signed_area(domain.triangle(t));
         let density = |(t, &area): (usize, &f64)| if area > floor { 0.5 * area / planar(t) } else { 0.0 };
         let density = areas.iter().enumerate().map(density).collect();
-        let derivative = |t: u32| Spot { triangle: t, weights: [0.0; 3] }.derivative(domain);
-        let metric = (0..domain.triangles.len() as u32).map(derivative).collect();
+        let unit = |t: u32| {
+            let mut metrics = Metrics::NONE;
+            metrics.add(Spot { triangle: t, weights: [0.0; 3] }.derivative(domain), 1.0);
+            metrics
+        };
+        let metric = (0..domain.triangles.len() as u32).map(unit).collect();
         Ground { domain, metric, density }
+    }
+
+    /// The mesh.
+    pub fn domain(&self) -> &'a Domain {
+        self.domain
+    }
+
+    /// The metric of a triangle, with weight 1.
+    pub fn metric(&self, t: u32) -> &Metrics {
+        &self.metric[t as usize]
+    }
+
+    /// Half the area of a triangle in space, 0 without a say.
+    pub fn weight(&self, t: u32) -> f64 {
+        let density = self.density[t as usize];
+        if density > 0.0 { density * metric::signed_area(self.domain.triangle(t as usize)) } else { 0.0 }
     }
 
     /// The overlay over this mesh.
@@ -81,24 +109,22 @@ impl<'a> Ground<'a> {
         let shrink = [0, 1, 2].map(|i| (corners[(i + 2) % 3] - corners[(i + 1) % 3]).perp() * (0.5 * density / planar));
         let seat = overlay.seat(corners, near);
         let mut seen = Seen { metrics: Metrics::NONE, slope: [DVec2::ZERO; 3], seat };
-        overlay.parts(corners, seat, |Part { fixed, area, slope }| {
+        overlay.parts(corners, seat, slopes, |Part { fixed, area, slope }| {
             let of_fixed = self.density[fixed as usize];
             if of_fixed == 0.0 {
                 return;
             }
-            let metric = self.metric[fixed as usize];
-            seen.metrics.add(metric, area * (density + of_fixed));
+            let unit = &self.metric[fixed as usize];
+            seen.metrics.add_weighted(unit, area * (density + of_fixed));
             if slopes {
-                let mut unit = Metrics::NONE;
-                unit.add(metric, 1.0);
-                let energy = rest.energy(&unit, *corners);
+                let energy = rest.energy(unit, *corners);
                 for i in 0..3 {
                     seen.slope[i] += (slope[i] * (density + of_fixed) - shrink[i] * area) * energy;
                 }
             }
         });
         if seen.metrics == Metrics::NONE {
-            seen.metrics.add(self.metric[seat as usize], *whole);
+            seen.metrics.add_weighted(&self.metric[seat as usize], *whole);
         }
         seen
     }

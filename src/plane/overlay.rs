@@ -14,7 +14,7 @@ pub struct Part {
     pub fixed: u32,
     /// Area in the plane.
     pub area: f64,
-    /// Derivative of the area by the three corners of the moving triangle.
+    /// Derivative of the area by the three corners of the moving triangle; zero unless asked for.
     pub slope: [DVec2; 3],
 }
 
@@ -39,7 +39,7 @@ impl<'a> Overlay<'a> {
     }
 
     /// Visits the parts of the counter-clockwise triangle `corners`, spreading from the fixed triangle `start` in it.
-    pub fn parts(&mut self, corners: &[DVec2; 3], start: u32, mut visit: impl FnMut(Part)) {
+    pub fn parts(&mut self, corners: &[DVec2; 3], start: u32, slopes: bool, mut visit: impl FnMut(Part)) {
         self.round += 1;
         self.visited[start as usize] = self.round;
         self.waiting.push(start);
@@ -49,7 +49,8 @@ impl<'a> Overlay<'a> {
             if area <= 0.0 {
                 continue;
             }
-            visit(Part { fixed: g, area, slope: polygon.slope(corners) });
+            let slope = if slopes { polygon.slope(corners) } else { [DVec2::ZERO; 3] };
+            visit(Part { fixed: g, area, slope });
             for side in 0..3 {
                 let behind = self.fixed.neighbours[g as usize][side];
                 let crosses = behind != OUTSIDE && self.visited[behind as usize] != self.round;
@@ -161,7 +162,7 @@ mod tests {
         let domain = square();
         let mut parts = Vec::new();
         let mut overlay = Overlay::new(&domain);
-        overlay.parts(corners, overlay.seat(corners, 0), |p| parts.push(p));
+        overlay.parts(corners, overlay.seat(corners, 0), true, |p| parts.push(p));
         parts.sort_by_key(|p| p.fixed);
         parts
     }

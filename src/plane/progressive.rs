@@ -10,6 +10,7 @@
 
 use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
+use super::rings::{insert_between, replace};
 use super::stretch::{Frame, l2_sq};
 use super::visible::kernel;
 use crate::mesh::metric;
@@ -234,21 +235,4 @@ impl Coarse<'_> {
 fn is_inside(p: DVec2, polygon: &[DVec2]) -> bool {
     let n = polygon.len();
     (0..n).all(|i| orientation(p, polygon[i], polygon[(i + 1) % n]) > 0.0)
-}
-
-/// Replaces the run `old` of a cyclic list by `new`.
-fn replace(ring: &mut Vec<u32>, old: &[u32], new: &[u32]) {
-    let Some(mut at) = ring.iter().position(|w| *w == old[0]) else { return };
-    if at + old.len() > ring.len() {
-        ring.rotate_left(at);
-        at = 0;
-    }
-    ring.splice(at..at + old.len(), new.iter().copied());
-}
-
-/// Inserts `v` behind `before`.
-fn insert_between(ring: &mut Vec<u32>, before: u32, v: u32) {
-    if let Some(at) = ring.iter().position(|&w| w == before) {
-        ring.insert(at + 1, v);
-    }
 }

@@ -12,6 +12,8 @@ use glam::DVec2;
 const KEEP_AREA: f64 = 0.1;
 /// Neighbouring places on the segment are at least this far apart; nearer ones could not be told apart later.
 const LEAST_GAP: f64 = 1e-10;
+/// Triangles are at least this high: lower ones may turn over when they are rounded to their patch's coordinates.
+const LEAST_HEIGHT: f64 = 1e-13;
 
 /// An edge to be split: from, to, share of the way.
 pub type Split = (u32, u32, f64);
@@ -42,7 +44,7 @@ enum Meeting {
 /// Makes all seams of a relaxed domain run along edges.
 ///
 /// An edge crossed nearer to a vertex than the share `snap` of its length gives the vertex a try on the segment: fewer
-/// splits, but the map changes there. None if rounding spoils the order of the places on a segment.
+/// splits, but the map changes there. None if rounding spoils the order of the places on a segment, or may spoil a triangle.
 pub fn straighten(domain: &mut Domain, tiling: &Tiling, snap: f64) -> Option<Straightened> {
     let mut result = Straightened::default();
     for seam in &tiling.seams {
@@ -67,7 +69,13 @@ pub fn straighten(domain: &mut Domain, tiling: &Tiling, snap: f64) -> Option<Str
         result.seams.push(vertices);
         domain.connect();
     }
-    Some(result)
+    (0..domain.triangles.len()).all(|t| height(domain.triangle(t)) > LEAST_HEIGHT).then_some(result)
+}
+
+/// The least height of a triangle, negative if it is turned over.
+fn height([a, b, c]: [DVec2; 3]) -> f64 {
+    let longest_sq = a.distance_squared(b).max(b.distance_squared(c)).max(c.distance_squared(a));
+    (b - a).perp_dot(c - a) / longest_sq.sqrt()
 }
 
 /// A domain seen along a segment: it runs from (0, 0) to (1, 0).

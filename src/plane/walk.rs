@@ -34,25 +34,49 @@ impl Spot {
     }
 }
 
-/// The spot of `p`, walking from triangle `start`; a point outside is moved to the boundary triangle it leaves through.
+/// A point may lie outside a triangle by this much, in barycentric coordinates, and still count as in it: points on the
+/// border of a domain miss it by rounding.
+const TOLERANCE: f64 = 1e-9;
+
+/// The spot of `p`, walking from triangle `start`; a point outside is moved to the triangle nearest to holding it.
+///
+/// A domain need not be convex, so a walk can end in a dead end; then all triangles are tried.
 pub fn walk(domain: &Domain, start: u32, p: DVec2) -> Spot {
     let mut t = start;
     let mut came_from = OUTSIDE;
     for _ in 0..MAX_STEPS {
-        let corners = domain.triangle(t as usize);
-        let areas: [f64; 3] = std::array::from_fn(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            (b - a).perp_dot(p - a)
-        });
+        let areas = areas(domain, t, p);
         let neighbours = domain.neighbours[t as usize];
         let behind = |i: &usize| areas[*i] < 0.0 && neighbours[*i] != OUTSIDE && neighbours[*i] != came_from;
         let Some(side) = (0..3).filter(behind).min_by(|&i, &j| areas[i].total_cmp(&areas[j])) else {
-            return Spot { triangle: t, weights: weights(areas) };
+            if depth(areas) >= -TOLERANCE {
+                return Spot { triangle: t, weights: weights(areas) };
+            }
+            break;
         };
         came_from = t;
         t = neighbours[side];
     }
-    Spot { triangle: t, weights: [1.0 / 3.0; 3] }
+    let depth_of = |t: &u32| depth(areas(domain, *t, p));
+    let all = 0..domain.triangles.len() as u32;
+    let t = all.max_by(|s, t| depth_of(s).total_cmp(&depth_of(t))).unwrap_or(start);
+    Spot { triangle: t, weights: weights(areas(domain, t, p)) }
+}
+
+/// Twice the areas over the three sides of a triangle.
+fn areas(domain: &Domain, t: u32, p: DVec2) -> [f64; 3] {
+    let corners = domain.triangle(t as usize);
+    std::array::from_fn(|i| {
+        let (a, b) = (corners[i], corners[(i + 1) % 3]);
+        (b - a).perp_dot(p - a)
+    })
+}
+
+/// The least barycentric coordinate.
+fn depth(areas: [f64; 3]) -> f64 {
+    let least = areas.into_iter().fold(f64::INFINITY, f64::min);
+    let depth = least / areas.iter().sum::<f64>();
+    if depth.is_nan() { f64::NEG_INFINITY } else { depth }
 }
 
 /// Barycentric coordinates from the areas over the three sides, clamped to the triangle.

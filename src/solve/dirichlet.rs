@@ -27,6 +27,13 @@ impl Metrics {
     /// Nothing gathered yet.
     pub const NONE: Metrics = Metrics { sum: DMat2::ZERO, inverse: DMat2::ZERO, weight: 0.0 };
 
+    /// Adds metrics, their weights multiplied.
+    pub fn add_weighted(&mut self, other: &Metrics, weight: f64) {
+        self.sum += other.sum * weight;
+        self.inverse += other.inverse * weight;
+        self.weight += other.weight * weight;
+    }
+
     /// Adds the metric that a derivative by the two plane coordinates gives.
     pub fn add(&mut self, [du, dv]: [glam::DVec3; 2], weight: f64) {
         let (a, b, c) = (du.length_squared(), du.dot(dv), dv.length_squared());

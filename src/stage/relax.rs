@@ -2,10 +2,10 @@
 //!
 //! Input: an embedding. Output: the same with lower symmetric Dirichlet energy of the map in both directions. The
 //! patches around a base vertex are glued into one domain, the base vertex pinned; the vertices of either mesh move in it
-//! while the other holds still, and the arcs are read off again as the straight segments between their ends. Arcs that no
-//! such star holds get a domain of their two patches. This is a Schwarz iteration over overlapping domains, parallel over
-//! domains that share no patch. Invariant: every patch stays embedded; a domain whose energy does not fall, or whose arcs
-//! cannot be read, is left as it was.
+//! while the other holds still, first a few of them, then ever more (a V-cycle without its way down), and the arcs are read
+//! off again as the straight segments between their ends. Arcs that no such star holds get a domain of their two patches.
+//! This is a Schwarz iteration over overlapping domains, parallel over domains that share no patch. Invariant: every patch
+//! stays embedded; a domain whose energy does not fall, or whose arcs cannot be read, is left as it was.
 
 use crate::error::Result;
 use crate::map::embedding::Embedding;
@@ -14,8 +14,9 @@ use crate::map::recut::{Relaxed, recut_all};
 use crate::mesh::{Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::plane::convex::is_embedded;
 use crate::plane::domain::Domain;
+use crate::plane::hierarchy::Hierarchy;
 use crate::plane::newton::newton;
-use crate::plane::smooth::{Model, Smoother};
+use crate::plane::smooth::{self, Smoother};
 use crate::plane::straighten::straighten;
 use crate::plane::sweep::{sweep, sweep_exactly};
 use crate::plane::tiling::Tiling;
@@ -28,33 +29,42 @@ const SNAPS: [f64; 3] = [0.2, 0.05, LEAST_SNAP];
 /// Vertices that lie on the way but for rounding, and slivers not worth making.
 pub(super) const LEAST_SNAP: f64 = 1e-3;
 
+/// Vertices that may move at the coarsest level of a domain: fewer miss what limbs and ears look like, more cost time.
+const COARSEST: usize = 50;
+/// Most exchanges of the meshes' roles at the coarsest level, which does most of the work for next to no time.
+const COARSEST_EXCHANGES: usize = 12;
+/// Vertices that may move at the level at which layouts are told apart.
+const SKETCH: usize = 150;
+/// Exchanges at the levels between.
+const EXCHANGES: usize = 2;
+/// Exchanges with all vertices; polishing does the rest better.
+const FINEST_EXCHANGES: usize = 1;
+/// A level is done when an exchange lowers its energy by less than this share.
+const SETTLED: f64 = 0.02;
+/// Newton steps are made while no more vertices than this can move: they carry errors far, which is done by then, and what
+/// triangles see at their middles is too rough for them.
+const NEWTON_UP_TO: usize = 300;
+/// From level to level the vertices grow by this factor at least: with more, vertices come back too crowded to sort out.
+const GROWTH: usize = 2;
+/// Sweeps of single moves in one exchange.
+const SWEEPS: usize = 2;
+
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxOptions {
-    /// Sweeps of single moves of one mesh's vertices over the other, in coarse rounds.
-    pub sweeps: usize,
-    /// Newton steps of one mesh over the other after them.
-    pub newton: usize,
-    /// Exchanges of the meshes' roles in one visit of a domain, in coarse rounds.
-    pub exchanges: usize,
-    /// Coarse visits of every domain: metrics are held while vertices move, which goes far in little time.
+    /// Most visits of every domain from coarse to fine, which go far in little time.
     pub coarse_rounds: usize,
-    /// Fine visits of every domain: moves follow the gradient of the energy itself.
+    /// They end when one lowers the energy by less than this share; 0 runs all.
+    pub coarse_tolerance: f64,
+    /// Most visits of every domain by the gradient of the energy itself.
     pub fine_rounds: usize,
-    /// A row of rounds ends when one lowers the energy by less than this share; 0 runs all rounds.
-    pub tolerance: f64,
+    /// The same for these.
+    pub fine_tolerance: f64,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { sweeps: 2, newton: 1, exchanges: 2, coarse_rounds: 1, fine_rounds: 3, tolerance: 3e-3 }
-    }
-}
-
-impl RelaxOptions {
-    /// A short relaxation, after which candidates can be told apart.
-    pub fn trial() -> Self {
-        RelaxOptions { coarse_rounds: 1, fine_rounds: 0, tolerance: 0.0, ..Self::default() }
+        RelaxOptions { coarse_rounds: 3, coarse_tolerance: 0.1, fine_rounds: 3, fine_tolerance: 0.05 }
     }
 }
 
@@ -66,7 +76,7 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
     for _ in 0..options.coarse_rounds + options.fine_rounds {
         let relax = |&p: &PatchId| {
             let mut domains = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
-            alternate(&mut domains, Model::Tangent, options).map(|_| domains)
+            follow_gradient(&mut domains).map(|_| domains)
         };
         let relaxed: Vec<Option<[Domain; 2]>> = patches.par_iter().map(relax).collect();
         for (&p, result) in patches.iter().zip(relaxed) {
@@ -78,11 +88,18 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
                 }
             }
         }
-        if settled(&mut history, energy(meshes, embedding), options) {
+        if settled(&mut history, energy(meshes, embedding), options.fine_tolerance) {
             break;
         }
     }
     history
+}
+
+/// How a domain is relaxed.
+#[derive(Clone, Copy)]
+enum Visit {
+    FromCoarseToFine,
+    FollowGradient,
 }
 
 /// Relaxes across all arcs; returns the energy before and after every round.
@@ -90,15 +107,17 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
     let mut history = vec![energy(meshes, embedding)];
-    for (model, rounds) in [(Model::Held, options.coarse_rounds), (Model::Tangent, options.fine_rounds)] {
+    let coarse = (Visit::FromCoarseToFine, options.coarse_rounds, options.coarse_tolerance);
+    let fine = (Visit::FollowGradient, options.fine_rounds, options.fine_tolerance);
+    for (how, rounds, tolerance) in [coarse, fine] {
         for _ in 0..rounds {
             for group in &groups {
-                let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, model, options);
+                let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, how);
                 let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
             clean_up(meshes, embedding)?;
-            if settled(&mut history, energy(meshes, embedding), options) {
+            if settled(&mut history, energy(meshes, embedding), tolerance) {
                 break;
             }
         }
@@ -115,8 +134,8 @@ pub(super) fn unit_scale(meshes: [&TriMesh; 2]) -> [f64; 2] {
 pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
     let scale = unit_scale(meshes);
     let one = |p: PatchId| {
-        let [mut source, target] = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
-        Smoother::new(&mut source, &target, Model::Held).energy()
+        let [source, target] = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
+        smooth::energy(&source, &target)
     };
     let patches: Vec<PatchId> = embedding.base.patches.ids().collect();
     let energies: Vec<f64> = patches.into_par_iter().map(one).collect();
@@ -124,10 +143,10 @@ pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
 }
 
 /// Records the energy; true if the last round brought too little to go on.
-fn settled(history: &mut Vec<f64>, now: f64, options: &RelaxOptions) -> bool {
+fn settled(history: &mut Vec<f64>, now: f64, tolerance: f64) -> bool {
     let before = history[history.len() - 1];
     history.push(now);
-    before.is_finite() && now > before * (1.0 - options.tolerance)
+    before.is_finite() && now > before * (1.0 - tolerance)
 }
 
 /// Removes the vertices that arcs left behind.
@@ -147,57 +166,117 @@ pub(super) fn domains(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2]) -
     })
 }
 
-fn relax_domain(
-    embedding: &Embedding,
-    tiling: &Tiling,
-    scale: [f64; 2],
-    model: Model,
-    options: &RelaxOptions,
-) -> Option<[Relaxed; 2]> {
+fn relax_domain(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2], how: Visit) -> Option<[Relaxed; 2]> {
     let mut domains = domains(embedding, tiling, scale);
-    let before = alternate(&mut domains, model, options)?;
+    let before = match how {
+        Visit::FromCoarseToFine => {
+            let before = smooth::energy(&domains[0], &domains[1]);
+            from_coarse_to_fine(&mut domains, usize::MAX)?;
+            before
+        }
+        Visit::FollowGradient => follow_gradient(&mut domains)?,
+    };
     SNAPS.iter().find_map(|&snap| {
         let [mut source, mut target] = domains.clone();
         let straight = [straighten(&mut source, tiling, snap)?, straighten(&mut target, tiling, snap)?];
-        let after = Smoother::new(&mut source, &target, Model::Held).energy();
+        let after = smooth::energy(&source, &target);
         let [first, second] = straight;
         let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
         (after < before).then_some(relaxed)
     })
 }
 
-fn patch_domain(embedding: &Embedding, p: PatchId, k: usize, scale: f64) -> Domain {
-    let mesh = &embedding.meshes[k];
-    Domain::of_patch(&mesh.discs[p], &|v: VertexId| -> DVec3 { mesh.cut.positions[v] * scale })
+/// Mean logarithm of the energy per area that the map will come to, told by relaxing every domain coarsely; for telling layouts apart.
+pub fn promise(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
+    let scale = unit_scale(meshes);
+    let tilings: Vec<Tiling> = independent_domains(embedding).into_iter().flatten().collect();
+    let one = |tiling: &Tiling| {
+        let mut whole = domains(embedding, tiling, scale);
+        let area = whole.each_ref().map(Domain::area).iter().sum::<f64>() * 0.5;
+        let [source, target] = from_coarse_to_fine(&mut whole, SKETCH)?;
+        Some(((smooth::energy(&source, &target) / area).ln() * area, area))
+    };
+    let parts: Vec<Option<(f64, f64)>> = tilings.par_iter().map(one).collect();
+    let (energy, area) = parts.iter().flatten().fold((0.0, 0.0), |(e, a), (energy, area)| (e + energy, a + area));
+    energy / area
 }
 
-/// Moves the source's vertices over the target and the target's over the source in turn; returns the energy before.
-///
-/// None if nothing moved.
-fn alternate([source, target]: &mut [Domain; 2], model: Model, options: &RelaxOptions) -> Option<f64> {
-    let mut first = None;
-    let exchanges = if model == Model::Held { options.exchanges } else { 1 };
-    for _ in 0..exchanges {
-        first = first.or(smooth(source, target, model, options));
-        first = first.or(smooth(target, source, model, options));
+/// Relaxes both meshes' parts of a domain level by level, until more than `enough` vertices can move; returns the last
+/// level. None if a vertex finds no way back.
+fn from_coarse_to_fine(domains: &mut [Domain; 2], enough: usize) -> Option<[Domain; 2]> {
+    let mut levels = domains.each_ref().map(|domain| Hierarchy::new(domain, COARSEST));
+    let mut exchanges = COARSEST_EXCHANGES;
+    loop {
+        let [(mut source, of_source), (mut target, of_target)] = [0, 1].map(|k| levels[k].domain(&domains[k]));
+        let is_finest = levels.iter().all(Hierarchy::is_finest);
+        exchange([&mut source, &mut target], if is_finest { FINEST_EXCHANGES } else { exchanges });
+        if is_finest || levels.iter().any(|level| level.free() > enough) {
+            [&source, &target].into_iter().zip(domains).for_each(|(level, domain)| {
+                if is_finest {
+                    domain.positions.clone_from(&level.positions);
+                }
+            });
+            return Some([source, target]);
+        }
+        for (k, (level, of_level)) in [(source, of_source), (target, of_target)].into_iter().enumerate() {
+            of_level.iter().zip(&level.positions).for_each(|(&v, &p)| domains[k].positions[v as usize] = p);
+        }
+        for (level, domain) in levels.iter_mut().zip(domains.iter_mut()) {
+            let enough = GROWTH * level.free();
+            while !level.is_finest() && level.free() < enough {
+                level.refine(domain)?;
+            }
+        }
+        exchanges = EXCHANGES;
     }
-    first
+}
+
+/// Moves the vertices of either mesh over the other in turn, at most so often.
+fn exchange([source, target]: [&mut Domain; 2], most: usize) {
+    let mut last = f64::INFINITY;
+    for _ in 0..most {
+        sweep_over(source, target);
+        let now = sweep_over(target, source);
+        if now > last * (1.0 - SETTLED) {
+            break;
+        }
+        last = now;
+    }
+}
+
+/// Moves one mesh's vertices over the other, seen at the middles of triangles; returns the energy as it is seen there.
+fn sweep_over(moving: &mut Domain, fixed: &Domain) -> f64 {
+    let free = moving.free.iter().filter(|free| **free).count();
+    let mut smoother = Smoother::sampled(moving, fixed);
+    (0..SWEEPS).for_each(|k| sweep(&mut smoother, k % 2 == 1));
+    if free <= NEWTON_UP_TO {
+        newton(&mut smoother);
+    }
+    smoother.settle();
+    smoother.energy()
+}
+
+/// Moves either mesh's vertices over the other by the gradient of the energy; returns the energy before, None if it did
+/// not fall.
+fn follow_gradient([source, target]: &mut [Domain; 2]) -> Option<f64> {
+    let first = descend(source, target);
+    first.or(descend(target, source))
 }
 
 /// Moves one mesh's vertices over the other; returns the energy before if it fell.
-fn smooth(moving: &mut Domain, fixed: &Domain, model: Model, options: &RelaxOptions) -> Option<f64> {
-    let mut smoother = Smoother::new(moving, fixed, model);
+fn descend(moving: &mut Domain, fixed: &Domain) -> Option<f64> {
+    let mut smoother = Smoother::new(moving, fixed);
     let before = smoother.energy();
-    match model {
-        Model::Held => (0..options.sweeps).for_each(|k| sweep(&mut smoother, k % 2 == 1)),
-        Model::Tangent => {
-            sweep_exactly(&mut smoother);
-            smoother.look();
-        }
-    }
-    (0..options.newton).take_while(|_| newton(&mut smoother)).for_each(drop);
+    sweep_exactly(&mut smoother);
+    smoother.look();
+    newton(&mut smoother);
     smoother.settle();
     (smoother.energy() < before).then_some(before)
+}
+
+fn patch_domain(embedding: &Embedding, p: PatchId, k: usize, scale: f64) -> Domain {
+    let mesh = &embedding.meshes[k];
+    Domain::of_patch(&mesh.discs[p], &|v: VertexId| -> DVec3 { mesh.cut.positions[v] * scale })
 }
 
 /// Groups of domains that share no patch: stars of base vertices, and the arcs that no star holds.

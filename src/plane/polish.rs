@@ -1,0 +1,365 @@
+//! Vertices moved so that the compatible meshes get better: what users see of a map.
+//!
+//! A compatible mesh samples the map at the vertices alone. Where a triangle spans a fold of the other surface its image
+//! may be turned over although the map is not, and even where it is not turned its shape is not what the map's energy
+//! says. Here the energy of the sampled triangles of both meshes falls: a vertex takes its own image along, and the
+//! images of the other mesh's vertices that lie in the triangles around it. A move that turns fewer triangles over comes
+//! before one that lowers the energy. The map stays a homeomorphism.
+
+use super::domain::{Domain, Fans};
+use super::walk::{Spot, walk};
+use crate::mesh::metric;
+use crate::solve::dirichlet::{Metrics, Rest};
+use glam::{DMat2, DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// A step goes at most this share of the way to the first triangle that collapses.
+const SAFE_SHARE: f64 = 0.8;
+/// Halvings of a step before the vertex stays.
+const HALVINGS: usize = 3;
+/// Directions in which new places are tried where triangles are turned over.
+const DIRECTIONS: usize = 12;
+/// How far, in mean distances to the neighbours.
+const REACHES: [f64; 6] = [0.03, 0.1, 0.25, 0.5, 0.9, 1.5];
+/// Triangles around a vertex keep this share of their area in the plane in one such move.
+const KEEP_AREA: f64 = 0.02;
+/// A triangle is safe from turning over if the cosine of its angle against the surface is at least this.
+const SAFE_COSINE: f64 = 0.05;
+/// Triangles with less than this share of the mean area have no say: their shape is rounding noise.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// Where a vertex lies on the other surface, as far as triangles are concerned.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sample {
+    /// The point in space.
+    pub point: DVec3,
+    /// The other surface's normal there.
+    pub normal: DVec3,
+}
+
+/// The original triangles of one mesh with a corner in a domain, by vertices of the domain and, behind them, those outside.
+pub struct Samples {
+    faces: Vec<[u32; 3]>,
+    rest: Vec<Rest>,
+    /// Areas in space; 0 for triangles without a say.
+    area: Vec<f64>,
+    /// What a triangle that is turned over costs.
+    dread: f64,
+    /// The faces around every vertex.
+    around: Vec<Vec<u32>>,
+    /// Whether a vertex may move.
+    free: Vec<bool>,
+    /// Images of the vertices outside, which stay.
+    outside: Vec<Sample>,
+}
+
+impl Samples {
+    /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
+    /// their own mesh and where they lie on the other one. Original vertices that are free may move.
+    pub fn new(domain: &Domain, faces: Vec<[u32; 3]>, outside: &[(DVec3, Sample)], free: Vec<bool>, dread: f64) -> Self {
+        let count = domain.vertices.len();
+        let mut around = vec![Vec::new(); count];
+        for (f, corners) in (0u32..).zip(&faces) {
+            corners.iter().filter(|&&v| (v as usize) < count).for_each(|&v| around[v as usize].push(f));
+        }
+        let point = |v: u32| domain.points.get(v as usize).copied().unwrap_or_else(|| outside[v as usize - count].0);
+        let areas: Vec<f64> = faces.iter().map(|t| metric::area(t.map(point))).collect();
+        let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+        let least = NEGLIGIBLE * mean;
+        let area = areas.into_iter().map(|a| if a > least { a } else { 0.0 }).collect();
+        let rest = faces.iter().map(|t| Rest::new(metric::flatten(t.map(point)))).collect();
+        Samples { faces, rest, area, dread: dread * mean, around, free, outside: outside.iter().map(|o| o.1).collect() }
+    }
+}
+
+/// Where a vertex of the domain lies in the other mesh.
+#[derive(Clone, Copy)]
+struct Image {
+    spot: Spot,
+    sample: Sample,
+}
+
+impl Image {
+    fn at(spot: Spot, domain: &Domain) -> Self {
+        let [p, q, r] = domain.spatial(&domain.triangles[spot.triangle as usize]);
+        let sample = Sample { point: spot.point(domain), normal: (q - p).cross(r - p).normalize_or_zero() };
+        Image { spot, sample }
+    }
+}
+
+/// The triangles around a vertex: the energy of all, more where they are turned over, and how many are.
+#[derive(Clone, Copy)]
+struct State {
+    cost: f64,
+    turned: usize,
+}
+
+struct Polisher<'a> {
+    moving: &'a mut Domain,
+    fixed: &'a Domain,
+    fans: Fans,
+    /// Of the moving and of the fixed mesh.
+    samples: [&'a Samples; 2],
+    /// Of the moving mesh's vertices on the fixed one, and the other way round; none for vertices without triangles.
+    images: [Vec<Option<Image>>; 2],
+    /// For every triangle of the moving mesh the vertices of the fixed one in it.
+    seated: Vec<Vec<u32>>,
+    /// What one move concerns: vertices of the fixed mesh, and triangles of the fixed mesh.
+    riders: Vec<u32>,
+    ridden: Vec<u32>,
+}
+
+/// What polishing a domain brought.
+#[derive(Clone, Debug, Default)]
+pub struct Polished {
+    /// So many fewer triangles are turned over.
+    pub turned_back: isize,
+    /// Where the vertices of the moving and the fixed mesh lie now, if triangles depend on it.
+    pub images: [Vec<Option<Sample>>; 2],
+}
+
+/// Visits every vertex of `moving` that may move once.
+pub fn polish(moving: &mut Domain, fixed: &Domain, samples: [&Samples; 2]) -> Polished {
+    let fans = moving.fans();
+    let images = [locate(moving, fixed, samples[0]), locate(fixed, moving, samples[1])];
+    let mut seated = vec![Vec::new(); moving.triangles.len()];
+    for (y, image) in (0u32..).zip(&images[1]) {
+        if let Some(image) = image {
+            seated[image.spot.triangle as usize].push(y);
+        }
+    }
+    let (riders, ridden) = (Vec::new(), Vec::new());
+    let mut polisher = Polisher { moving, fixed, fans, samples, images, seated, riders, ridden };
+    let mut polished = Polished::default();
+    for v in 0..polisher.moving.vertices.len() {
+        if samples[0].free[v] {
+            let (before, after) = polisher.improve(v);
+            polished.turned_back += before.turned as isize - after.turned as isize;
+        }
+    }
+    polished.images = polisher.images.map(|images| images.into_iter().map(|i| i.map(|i| i.sample)).collect());
+    polished
+}
+
+/// The images of the vertices that carry samples.
+fn locate(domain: &Domain, on: &Domain, samples: &Samples) -> Vec<Option<Image>> {
+    let mut near = 0;
+    let one = |v: usize| {
+        (!samples.around[v].is_empty()).then(|| {
+            let spot = walk(on, near, domain.positions[v]);
+            near = spot.triangle;
+            Image::at(spot, on)
+        })
+    };
+    (0..domain.vertices.len()).map(one).collect()
+}
+
+impl Polisher<'_> {
+    /// Moves `v` where that helps; returns the state around it before and after.
+    fn improve(&mut self, v: usize) -> (State, State) {
+        self.gather(v);
+        let before = self.state(v);
+        let mut best = before;
+        let from = self.moving.positions[v];
+        let mut place = from;
+        if let Some(step) = self.step(v) {
+            let mut share = (SAFE_SHARE * self.first_collapse(v, step)).min(1.0);
+            for _ in 0..=HALVINGS {
+                self.put(v, from + step * share);
+                let state = self.state(v);
+                if state.cost < best.cost {
+                    (best, place) = (state, self.moving.positions[v]);
+                    break;
+                }
+                share *= 0.5;
+            }
+        }
+        if best.turned > 0 {
+            (best, place) = self.search(v, from, (best, place));
+        }
+        if self.moving.positions[v] != place {
+            self.put(v, place);
+        }
+        self.seat(v);
+        (before, best)
+    }
+
+    /// Tries places all around for one with fewer triangles turned over.
+    fn search(&mut self, v: usize, from: DVec2, found: (State, DVec2)) -> (State, DVec2) {
+        let ring: Vec<[DVec2; 2]> = self.fans.around(v).iter().map(|&(t, i)| self.opposite(t, i)).collect();
+        let reach = ring.iter().map(|[a, _]| a.distance(from)).sum::<f64>() / ring.len() as f64;
+        let keeps =
+            |p: DVec2| ring.iter().all(|&[a, b]| (a - p).perp_dot(b - p) > KEEP_AREA * (a - from).perp_dot(b - from));
+        let (mut best, mut place) = found;
+        for k in 0..DIRECTIONS * REACHES.len() {
+            let turn = DVec2::from_angle(TAU * (k % DIRECTIONS) as f64 / DIRECTIONS as f64);
+            let p = from + turn * (reach * REACHES[k / DIRECTIONS]);
+            if keeps(p) {
+                self.put(v, p);
+                let state = self.state(v);
+                if state.cost < best.cost {
+                    (best, place) = (state, p);
+                }
+            }
+        }
+        (best, place)
+    }
+
+    fn opposite(&self, t: u32, i: u8) -> [DVec2; 2] {
+        let corners = self.moving.triangles[t as usize];
+        [1, 2].map(|k| self.moving.positions[corners[(i as usize + k) % 3] as usize])
+    }
+
+    /// Notes what moving `v` concerns.
+    fn gather(&mut self, v: usize) {
+        self.riders.clear();
+        self.ridden.clear();
+        for &(t, _) in self.fans.around(v) {
+            self.riders.extend(&self.seated[t as usize]);
+        }
+        for &y in &self.riders {
+            self.ridden.extend(&self.samples[1].around[y as usize]);
+        }
+        self.ridden.sort_unstable();
+        self.ridden.dedup();
+    }
+
+    /// Puts `v` to a place, and its image and those of its riders where they then are.
+    fn put(&mut self, v: usize, p: DVec2) {
+        self.moving.positions[v] = p;
+        let near = self.images[0][v].map_or(0, |i| i.spot.triangle);
+        self.images[0][v] = Some(Image::at(walk(self.fixed, near, p), self.fixed));
+        for k in 0..self.riders.len() {
+            let y = self.riders[k] as usize;
+            let spot = self.spot_around(v, self.fixed.positions[y]);
+            self.images[1][y] = Some(Image::at(spot, self.moving));
+        }
+    }
+
+    /// The spot of a point in the triangles around `v`.
+    fn spot_around(&self, v: usize, p: DVec2) -> Spot {
+        let mut best = (f64::NEG_INFINITY, Spot::default());
+        for &(t, _) in self.fans.around(v) {
+            let [a, b, c] = self.moving.triangle(t as usize);
+            let areas = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)];
+            let sum: f64 = areas.iter().sum();
+            let least = areas.iter().copied().fold(f64::INFINITY, f64::min) / sum;
+            if least > best.0 {
+                let inside = areas.map(|x| x.max(0.0));
+                let sum: f64 = inside.iter().sum();
+                best = (least, Spot { triangle: t, weights: inside.map(|x| x / sum) });
+            }
+        }
+        best.1
+    }
+
+    /// Sorts the riders of `v` into its triangles anew.
+    fn seat(&mut self, v: usize) {
+        for &(t, _) in self.fans.around(v) {
+            self.seated[t as usize].clear();
+        }
+        for &y in &self.riders {
+            if let Some(image) = self.images[1][y as usize] {
+                self.seated[image.spot.triangle as usize].push(y);
+            }
+        }
+    }
+
+    fn state(&self, v: usize) -> State {
+        let mut state = State { cost: 0.0, turned: 0 };
+        for (side, f) in self.concerned(v) {
+            let Some(image) = self.face_image(side, f) else { continue };
+            let cosine = facing(&image);
+            state.cost += self.samples[side].dread * (SAFE_COSINE - cosine).max(0.0);
+            state.turned += usize::from(cosine < 0.0);
+            let area = self.samples[side].area[f as usize];
+            if area > 0.0 {
+                let flat = metric::flatten(image.map(|i| i.point));
+                state.cost += self.samples[side].rest[f as usize].energy(&identity(area), flat);
+            }
+        }
+        state
+    }
+
+    /// The triangles, by mesh, whose images move with `v`.
+    fn concerned(&self, v: usize) -> impl Iterator<Item = (usize, u32)> {
+        let own = self.samples[0].around[v].iter().map(|&f| (0, f));
+        own.chain(self.ridden.iter().map(|&f| (1, f)))
+    }
+
+    fn face_image(&self, side: usize, f: u32) -> Option<[Sample; 3]> {
+        let images = &self.images[side];
+        let image = |v: u32| match images.get(v as usize) {
+            Some(image) => image.map(|i| i.sample),
+            None => self.samples[side].outside.get(v as usize - images.len()).copied(),
+        };
+        let [a, b, c] = self.samples[side].faces[f as usize].map(image);
+        Some([a?, b?, c?])
+    }
+
+    /// The Newton step of the energy around `v`, within the triangles where the images lie now.
+    fn step(&self, v: usize) -> Option<DVec2> {
+        let (mut gradient, mut hessian) = (DVec2::ZERO, DMat2::ZERO);
+        for (side, f) in self.concerned(v) {
+            let area = self.samples[side].area[f as usize];
+            let Some(image) = self.face_image(side, f).filter(|_| area > 0.0) else { continue };
+            let points = image.map(|i| i.point);
+            let flat = metric::flatten(points);
+            let block = self.samples[side].rest[f as usize].block(&identity(area), flat);
+            let along = (points[1] - points[0]).normalize_or_zero();
+            let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
+            let axes = [along, normal.cross(along)];
+            let corners = self.samples[side].faces[f as usize];
+            let moves: [Option<DMat2>; 3] = std::array::from_fn(|i| {
+                let [du, dv] = self.derivative(side, corners[i], v)?;
+                Some(DMat2::from_cols(
+                    DVec2::new(axes[0].dot(du), axes[1].dot(du)),
+                    DVec2::new(axes[0].dot(dv), axes[1].dot(dv)),
+                ))
+            });
+            for i in 0..3 {
+                let Some(mine) = moves[i] else { continue };
+                gradient += mine.transpose() * block.gradient[i];
+                for j in 0..3 {
+                    if let Some(other) = moves[j] {
+                        hessian += mine.transpose() * block.hessian[i][j] * other;
+                    }
+                }
+            }
+        }
+        let step = -(hessian.inverse() * gradient);
+        step.is_finite().then_some(step)
+    }
+
+    /// Derivative of a vertex's image by the position of `v`; none if it does not move with it.
+    fn derivative(&self, side: usize, w: u32, v: usize) -> Option<[DVec3; 2]> {
+        if side == 0 {
+            return (w as usize == v).then(|| self.images[0][v].map(|i| i.spot.derivative(self.fixed)))?;
+        }
+        let spot = (*self.images[1].get(w as usize)?)?.spot;
+        let corner = self.moving.triangles[spot.triangle as usize].iter().position(|&u| u as usize == v)?;
+        Some(spot.derivative(self.moving).map(|d| d * -spot.weights[corner]))
+    }
+
+    /// The share of the step at which the first triangle around `v` collapses.
+    fn first_collapse(&self, v: usize, step: DVec2) -> f64 {
+        let p = self.moving.positions[v];
+        let one = |&(t, i): &(u32, u8)| {
+            let [b, c] = self.opposite(t, i);
+            let (area, loss) = ((b - p).perp_dot(c - p), step.perp_dot(c - b));
+            if loss > 0.0 { area / loss } else { f64::INFINITY }
+        };
+        self.fans.around(v).iter().map(one).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Space itself, for triangles whose images are laid flat.
+fn identity(area: f64) -> Metrics {
+    Metrics { sum: DMat2::from_diagonal(DVec2::splat(area)), inverse: DMat2::from_diagonal(DVec2::splat(area)), weight: area }
+}
+
+/// Cosine of the angle between the image of a triangle and the surface at its corners.
+fn facing([a, b, c]: &[Sample; 3]) -> f64 {
+    let normal = (b.point - a.point).cross(c.point - a.point).normalize_or_zero();
+    normal.dot((a.normal + b.normal + c.normal).normalize_or_zero())
+}

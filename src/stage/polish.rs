@@ -1,0 +1,130 @@
+//! Stage: the compatible meshes themselves relaxed.
+//!
+//! Input: a relaxed embedding. Output: the same with some vertices moved a little, so that the sampled triangles of both
+//! meshes have less energy and fewer of them are turned over. Invariant: every patch stays embedded.
+
+use super::relax::{LEAST_SNAP, domains, independent_domains, unit_scale};
+use crate::error::Result;
+use crate::map::embedding::Embedding;
+use crate::map::recut::{Relaxed, recut_all};
+use crate::map::surface_map::{Chart, compose};
+use crate::mesh::{IdVec, SurfacePoint, TriMesh, VertexId, face_of};
+use crate::plane::domain::Domain;
+use crate::plane::polish::{Sample, Samples, polish};
+use crate::plane::straighten::straighten;
+use crate::plane::tiling::Tiling;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+
+/// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
+/// an isometry: much at first, when the most can be turned back, then less, so that none stays badly stretched for it.
+const DREAD: [f64; 3] = [3000.0, 1000.0, 300.0];
+/// Visits of a domain's vertices in one visit of the domain.
+const SWEEPS: usize = 2;
+/// Where the vertices of the source lie on the target, and the other way round.
+type Images = [IdVec<VertexId, Sample>; 2];
+
+/// Polishes both compatible meshes; returns how many turned triangles were turned back.
+pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Result<isize> {
+    let scale = unit_scale(meshes);
+    let groups = independent_domains(embedding);
+    let mut images = locate(meshes, embedding, scale)?;
+    let mut turned_back = 0;
+    for dread in DREAD {
+        for group in &groups {
+            let visit = |tiling: &Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
+            let results: Vec<Option<Visited>> = group.par_iter().map(visit).collect();
+            let mut relaxed = Vec::with_capacity(results.len());
+            for result in results {
+                relaxed.push(result.map(|visited| {
+                    turned_back += visited.turned_back;
+                    for (k, moved) in visited.images.into_iter().enumerate() {
+                        moved.into_iter().for_each(|(v, sample)| images[k][v] = sample);
+                    }
+                    visited.relaxed
+                }));
+            }
+            recut_all(meshes, embedding, group, &relaxed)?;
+        }
+    }
+    Ok(turned_back)
+}
+
+/// The outcome of polishing a domain.
+struct Visited {
+    turned_back: isize,
+    images: [Vec<(VertexId, Sample)>; 2],
+    relaxed: [Relaxed; 2],
+}
+
+/// Where all vertices lie, in meshes scaled to unit area.
+fn locate(meshes: [&TriMesh; 2], embedding: &Embedding, scale: [f64; 2]) -> Result<Images> {
+    let Embedding { base, meshes: embedded, .. } = embedding;
+    let one_way = |from: usize, onto: usize| -> Result<IdVec<VertexId, Sample>> {
+        let chart = Chart::new(meshes[onto], &embedded[onto], base);
+        let map = compose(&embedded[from], base, meshes[from].positions.len(), &chart)?;
+        let normal = |point: SurfacePoint| {
+            let triangle = point.on_face(meshes[onto]).map(|(f, _)| meshes[onto].triangle(f));
+            triangle.map_or(DVec3::ZERO, |[a, b, c]| (b - a).cross(c - a).normalize_or_zero())
+        };
+        let sample = |p: SurfacePoint| Sample { point: p.position(meshes[onto]) * scale[onto], normal: normal(p) };
+        Ok(map.images.iter().map(|p| p.map_or(Sample::default(), sample)).collect())
+    };
+    let (there, back) = rayon::join(|| one_way(0, 1), || one_way(1, 0));
+    Ok([there?, back?])
+}
+
+fn visit(
+    meshes: [&TriMesh; 2],
+    embedding: &Embedding,
+    images: &Images,
+    tiling: &Tiling,
+    scale: [f64; 2],
+    dread: f64,
+) -> Option<Visited> {
+    let [mut source, mut target] = domains(embedding, tiling, scale);
+    let on_source = samples(meshes[0], &source, &images[0], scale[0], dread);
+    let on_target = samples(meshes[1], &target, &images[1], scale[1], dread);
+    let mut turned_back = 0;
+    let mut last = [Vec::new(), Vec::new()];
+    for _ in 0..SWEEPS {
+        let there = polish(&mut source, &target, [&on_source, &on_target]);
+        let back = polish(&mut target, &source, [&on_target, &on_source]);
+        turned_back += there.turned_back + back.turned_back;
+        let [target_images, source_images] = back.images;
+        last = [source_images, target_images];
+    }
+    let straight = [straighten(&mut source, tiling, LEAST_SNAP)?, straighten(&mut target, tiling, LEAST_SNAP)?];
+    let [of_source, of_target] = last;
+    let moved = |domain: &Domain, images: Vec<Option<Sample>>, mesh: &TriMesh| -> Vec<(VertexId, Sample)> {
+        let known = domain.vertices.iter().zip(images).filter(|(v, _)| (v.0 as usize) < mesh.positions.len());
+        known.filter_map(|(&v, sample)| Some((v, sample?))).collect()
+    };
+    let images = [moved(&source, of_source, meshes[0]), moved(&target, of_target, meshes[1])];
+    let [first, second] = straight;
+    let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
+    Some(Visited { turned_back, images, relaxed })
+}
+
+/// The faces of the original mesh with a corner in a domain.
+fn samples(mesh: &TriMesh, domain: &Domain, images: &IdVec<VertexId, Sample>, scale: f64, dread: f64) -> Samples {
+    let is_original = |v: VertexId| (v.0 as usize) < mesh.positions.len();
+    let inside = (0u32..).zip(&domain.vertices).filter(|(_, v)| is_original(**v));
+    let mut number: HashMap<VertexId, u32> = inside.map(|(i, &v)| (v, i)).collect();
+    let mut outside = Vec::new();
+    let mut seen = HashSet::new();
+    let mut faces = Vec::new();
+    for &v in domain.vertices.iter().filter(|v| is_original(**v)) {
+        for f in mesh.conn.outgoing(v).map(face_of).filter(|f| seen.insert(*f)) {
+            faces.push(mesh.conn.face(f).map(|w| {
+                *number.entry(w).or_insert_with(|| {
+                    outside.push((mesh.positions[w] * scale, images[w]));
+                    (domain.vertices.len() + outside.len() - 1) as u32
+                })
+            }));
+        }
+    }
+    let free = domain.vertices.iter().zip(&domain.free).map(|(&v, &free)| free && is_original(v)).collect();
+    Samples::new(domain, faces, &outside, free, dread)
+}
