@@ -19,7 +19,8 @@
 //!      Layout         one base complex, two cut meshes
 //!        | embed      every patch into its base triangle               plane::convex
 //!        | stretch    all patches at once, on the compute device       kernel, gpu
-//!        | relax      across the arcs, which move with it              plane::domain, plane::smooth
+//!        | relax      across the arcs, which move with it,             plane::domain, plane::hierarchy, plane::smooth
+//!        |            then the compatible meshes themselves            plane::polish
 //!        v
 //!     Embedding       source patches -> base complex <- target patches
 //!        | compose    follow it through; certify                       map::surface_map, map::certificate
@@ -76,7 +77,8 @@
 //! | reference triangle | (0,0), (1,0), (0,1): where patches are embedded |
 //! | frame | the triangle in the plane, with the arcs' lengths as sides, in which a patch's stretch is measured |
 //! | embedding | positions of a patch's vertices in its reference triangle |
-//! | domain | the part of the plane in which a patch, or the two patches at an arc, are relaxed |
+//! | domain | the part of the plane in which a patch, or the patches around a base vertex or at an arc, are relaxed |
+//! | sample | what a compatible mesh has of the map: the image of a vertex, and the triangle between three of them |
 //! | canonical order | vertices and faces along a space-filling curve: ties are decided alike whatever order they came in |
 //! | map | source patch -> base triangle -> target patch |
 //! | compatible mesh | one mesh's vertices and faces at the other's shape |
@@ -102,6 +104,7 @@
 //!   Schröder, "Consistent mesh parameterizations" (2001): maps through a common base complex.
 //! - Floater, "Mean value coordinates" (2003), and Tutte, "How to draw a graph" (1963): embeddings by positive weights.
 //! - Yoshizawa, Belyaev, Seidel, "A fast and simple stretch-minimizing mesh parameterization" (2004).
+//! - Shen, Jiang, Zorin, Panozzo, "Progressive embedding" (2019): collapsed vertices brought back into positive triangles.
 //! - Sander, Snyder, Gortler, Hoppe, "Texture mapping progressive meshes" (2001): the L2 stretch.
 //! - Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates" (1997).
 //! - Gu, Gortler, Hoppe, "Geometry images" (2002).

@@ -68,19 +68,23 @@ fn edges_without_length_and_vertices_at_one_position() {
     energy("landmarks at one position", [&hard, &hard], [&both, &both]);
 }
 
+/// The relaxation stops when a round lowers the energy, less that of an isometry, by less than a fifth; rounding decides
+/// how much less, so that energies of one pair at different scales agree to a small part of that only.
+const STOPPED: f64 = 0.01;
+
 #[test]
 fn any_scale_and_place() {
     let (round, long) = (icosphere(2), egg());
     let landmarks = random_landmarks(&round, 8, 5);
     let plain = energy("plain", [&round, &long], [&landmarks, &landmarks]);
-    for (scale, offset, tolerance) in [(1e8, 0.0, 1e-3), (1e-8, 0.0, 1e-3), (1.0, 1e8, 0.02), (1e-8, 1.0, 0.02)] {
+    for (scale, offset, tolerance) in [(1e8, 0.0, STOPPED), (1e-8, 0.0, STOPPED), (1.0, 1e8, 0.02), (1e-8, 1.0, 0.02)] {
         let moved = [&placed(&round, scale, offset), &placed(&long, scale, offset)];
         let there = energy(&format!("scale {scale}, offset {offset}"), moved, [&landmarks, &landmarks]);
         assert!((there / plain - 1.0).abs() < tolerance, "scale {scale}, offset {offset}: {there} instead of {plain}");
     }
     let mixed = [&placed(&round, 1e8, 1e8), &placed(&long, 1e-8, 0.0)];
     let there = energy("large to small", mixed, [&landmarks, &landmarks]);
-    assert!((there / plain - 1.0).abs() < 1e-3, "{there} instead of {plain}");
+    assert!((there / plain - 1.0).abs() < STOPPED, "{there} instead of {plain}");
 }
 
 #[test]

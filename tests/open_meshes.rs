@@ -18,6 +18,7 @@ use homeo::stage::cluster::{BaseVertices, cluster};
 use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::layout::layouts;
+use homeo::stage::polish::polish_samples;
 use homeo::stage::relax::{RelaxOptions, relax_arcs};
 
 /// Maps a pair and checks the layout, the certificate, the images, the landmarks and the boundaries.
@@ -27,7 +28,9 @@ fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     let layout = layouts(both, &sets, 3, 1).expect("a layout").remove(0);
     check::layout(&layout, &meshes);
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
-    relax_arcs(both, &mut embedding, &RelaxOptions::trial()).expect("a relaxed map");
+    let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, ..RelaxOptions::default() };
+    relax_arcs(both, &mut embedding, &short).expect("a relaxed map");
+    polish_samples(both, &mut embedding).expect("a polished map");
     check::embedding(&embedding, &meshes);
     let composed = compose(both, embedding).expect("a map");
     assert!(composed.certificate.bijective, "{:?}", composed.certificate);

@@ -22,7 +22,10 @@ use std::path::PathBuf;
 const EDGE_NODES: u32 = 3;
 
 /// Layouts that are embedded and relaxed coarsely before the best is chosen; more cost time and hardly ever win.
-const CANDIDATES: usize = 4;
+const CANDIDATES: usize = 3;
+
+/// Layouts whose promises differ by less are equally good, and the one with the shorter arcs is taken.
+const SAME_PROMISE: f64 = 1e-3;
 
 /// Both meshes embedded, with the layout in numbers and what the user should know.
 pub struct Embedded {
@@ -129,14 +132,13 @@ pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Res
 pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
     pair.then(|checked, mut candidates| {
         let meshes = checked.meshes();
-        let mut embedded = match candidates.len() {
-            1 => candidates.swap_remove(0),
-            _ => {
-                let promises: Vec<f64> = candidates.iter().map(|e| promise(meshes, &e.embedding)).collect();
-                let best = (0..candidates.len()).min_by(|&a, &b| promises[a].total_cmp(&promises[b]));
-                candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?)
-            }
+        let promises: Vec<f64> = match candidates.len() {
+            1 => vec![0.0],
+            _ => candidates.iter().map(|e| promise(meshes, &e.embedding)).collect(),
         };
+        let least = promises.iter().copied().fold(f64::INFINITY, f64::min);
+        let best = promises.iter().position(|&p| p <= least + SAME_PROMISE);
+        let mut embedded = candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?);
         embedded.relaxation.method = how.name();
         embedded.relaxation.energies = match how {
             Relaxation::None => vec![energy(meshes, &embedded.embedding)],

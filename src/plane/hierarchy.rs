@@ -100,11 +100,10 @@ impl Hierarchy {
 
     fn coarsen(&mut self, domain: &Domain) -> Vec<Merged> {
         let nearest = |&v: &u32| {
-            let here = domain.points[v as usize];
             let ring = self.rings[v as usize].iter();
-            ring.map(|&w| domain.points[w as usize].distance_squared(here)).fold(f64::INFINITY, f64::min)
+            ring.map(|&w| distance(domain, v, w)).fold(f32::INFINITY, f32::min)
         };
-        let mut order: Vec<(f64, u32)> = self.free.iter().map(|v| (nearest(v), *v)).collect();
+        let mut order: Vec<(f32, u32)> = self.free.iter().map(|v| (nearest(v), *v)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut touched = vec![false; self.rings.len()];
         let mut level = Vec::new();
@@ -124,10 +123,9 @@ impl Hierarchy {
     /// The place in the ring of `v` of the nearest neighbour it can be merged with.
     fn partner(&self, v: u32, domain: &Domain) -> Option<usize> {
         let ring = &self.rings[v as usize];
-        let here = domain.points[v as usize];
-        let distance = |i: usize| domain.points[ring[i] as usize].distance_squared(here);
+        let to = |i: usize| distance(domain, v, ring[i]);
         let allowed = (0..ring.len()).filter(|&i| self.can_merge(v, i, domain));
-        allowed.min_by(|&i, &j| distance(i).total_cmp(&distance(j)))
+        allowed.min_by(|&i, &j| to(i).total_cmp(&to(j)))
     }
 
     /// True if merging `v` into place `i` of its ring makes no edge that is there already and no bad triangle.
@@ -196,6 +194,12 @@ impl Hierarchy {
     }
 }
 
+/// Squared distance in space, in single precision: what differs by rounding alone is equal, and the lower number comes
+/// first.
+fn distance(domain: &Domain, v: u32, w: u32) -> f32 {
+    domain.points[v as usize].distance_squared(domain.points[w as usize]) as f32
+}
+
 /// The neighbours of every vertex, counter-clockwise, and whether they close around it.
 fn rings(domain: &Domain) -> (Vec<Vec<u32>>, Vec<bool>) {
     let fans = domain.fans();
@@ -249,4 +253,69 @@ fn mean_value(p: DVec2, polygon: &[DVec2]) -> Vec<f64> {
     let weights: Vec<f64> = (0..n).map(|i| (tangents[(i + n - 1) % n] + tangents[i]) / spokes[i].length()).collect();
     let sum: f64 = weights.iter().sum();
     weights.into_iter().map(|w| w / sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::{grid, swirl};
+    use super::*;
+
+    fn area(domain: &Domain, t: usize) -> f64 {
+        let [a, b, c] = domain.triangle(t);
+        (b - a).perp_dot(c - a)
+    }
+
+    /// Positive triangles that fill the square.
+    fn check(domain: &Domain) {
+        let areas: Vec<f64> = (0..domain.triangles.len()).map(|t| area(domain, t)).collect();
+        assert!(areas.iter().all(|&a| a > 0.0));
+        assert!((areas.iter().sum::<f64>() - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn every_level_fills_the_domain_and_keeps_what_must_not_move() {
+        let domain = grid(16, swirl);
+        let levels = Hierarchy::new(&domain, 10);
+        assert!(levels.free() <= 10 && !levels.is_finest());
+        let (level, of_level) = levels.domain(&domain);
+        check(&level);
+        assert_eq!(level.free.iter().filter(|free| !**free).count(), domain.free.iter().filter(|free| !**free).count());
+        assert!(of_level.iter().zip(&level.points).all(|(&v, &p)| domain.points[v as usize] == p));
+    }
+
+    #[test]
+    fn vertices_come_back_where_they_were_if_nothing_moved() {
+        let mut domain = grid(16, swirl);
+        let before = domain.clone();
+        let mut levels = Hierarchy::new(&domain, 10);
+        while !levels.is_finest() {
+            levels.refine(&mut domain).expect("there is room where the vertices were");
+        }
+        assert!(domain.positions.iter().zip(&before.positions).all(|(p, q)| p.distance(*q) < 1e-12));
+        let (finest, _) = levels.domain(&domain);
+        let sorted = |mut triangles: Vec<[u32; 3]>| {
+            triangles.iter_mut().for_each(|t| {
+                let first = (0..3).min_by_key(|&i| t[i]).expect("three corners");
+                t.rotate_left(first);
+            });
+            triangles.sort_unstable();
+            triangles
+        };
+        assert_eq!(sorted(finest.triangles), sorted(before.triangles));
+    }
+
+    #[test]
+    fn vertices_find_a_place_among_others_that_moved_far() {
+        let mut domain = grid(16, |p| p);
+        let mut levels = Hierarchy::new(&domain, 10);
+        let crowd = |p: &mut DVec2| *p = DVec2::new(p.x * (0.4 + 0.6 * p.x), p.y * (0.3 + 0.7 * p.y));
+        let (level, of_level) = levels.domain(&domain);
+        of_level.iter().filter(|&&v| domain.free[v as usize]).for_each(|&v| crowd(&mut domain.positions[v as usize]));
+        let moved = Domain { positions: of_level.iter().map(|&v| domain.positions[v as usize]).collect(), ..level };
+        check(&moved);
+        while !levels.is_finest() {
+            levels.refine(&mut domain).expect("a ring around a merged vertex has a kernel");
+            check(&levels.domain(&domain).0);
+        }
+    }
 }

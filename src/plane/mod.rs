@@ -3,6 +3,8 @@
 pub mod convex;
 pub mod divide;
 pub mod domain;
+#[cfg(test)]
+mod grid;
 pub mod ground;
 pub mod hierarchy;
 pub mod locate;

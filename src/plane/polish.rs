@@ -56,7 +56,13 @@ pub struct Samples {
 impl Samples {
     /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
     /// their own mesh and where they lie on the other one. Original vertices that are free may move.
-    pub fn new(domain: &Domain, faces: Vec<[u32; 3]>, outside: &[(DVec3, Sample)], free: Vec<bool>, dread: f64) -> Self {
+    pub fn new(
+        domain: &Domain,
+        faces: Vec<[u32; 3]>,
+        outside: &[(DVec3, Sample)],
+        free: Vec<bool>,
+        dread: f64,
+    ) -> Self {
         let count = domain.vertices.len();
         let mut around = vec![Vec::new(); count];
         for (f, corners) in (0u32..).zip(&faces) {
@@ -355,11 +361,95 @@ impl Polisher<'_> {
 
 /// Space itself, for triangles whose images are laid flat.
 fn identity(area: f64) -> Metrics {
-    Metrics { sum: DMat2::from_diagonal(DVec2::splat(area)), inverse: DMat2::from_diagonal(DVec2::splat(area)), weight: area }
+    Metrics {
+        sum: DMat2::from_diagonal(DVec2::splat(area)),
+        inverse: DMat2::from_diagonal(DVec2::splat(area)),
+        weight: area,
+    }
 }
 
 /// Cosine of the angle between the image of a triangle and the surface at its corners.
 fn facing([a, b, c]: &[Sample; 3]) -> f64 {
     let normal = (b.point - a.point).cross(c.point - a.point).normalize_or_zero();
     normal.dot((a.normal + b.normal + c.normal).normalize_or_zero())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::{grid, swirl};
+    use super::*;
+
+    fn samples(domain: &Domain) -> Samples {
+        Samples::new(domain, domain.triangles.clone(), &[], domain.free.clone(), 1000.0)
+    }
+
+    /// Energy and number of turned triangles of the images of `mesh`.
+    fn measure(mesh: &Domain, samples: &Samples, images: &[Option<Sample>]) -> (f64, usize) {
+        let image = |v: u32| images[v as usize].expect("every vertex has triangles");
+        let mut sums = (0.0, 0);
+        for (f, corners) in mesh.triangles.iter().enumerate() {
+            let image = corners.map(image);
+            sums.0 += samples.rest[f].energy(&identity(samples.area[f]), metric::flatten(image.map(|s| s.point)));
+            sums.1 += usize::from(facing(&image) < 0.0);
+        }
+        sums
+    }
+
+    fn located(mesh: &Domain, on: &Domain, samples: &Samples) -> Vec<Option<Sample>> {
+        locate(mesh, on, samples).into_iter().map(|image| image.map(|i| i.sample)).collect()
+    }
+
+    #[test]
+    fn a_swirl_unwinds_and_nothing_folds() {
+        let (mut moving, fixed) = (grid(7, swirl), grid(6, |p| p));
+        let [of_moving, of_fixed] = [samples(&moving), samples(&fixed)];
+        let before = measure(&moving, &of_moving, &located(&moving, &fixed, &of_moving)).0
+            + measure(&fixed, &of_fixed, &located(&fixed, &moving, &of_fixed)).0;
+        for _ in 0..10 {
+            polish(&mut moving, &fixed, [&of_moving, &of_fixed]);
+        }
+        let images = [located(&moving, &fixed, &of_moving), located(&fixed, &moving, &of_fixed)];
+        let after = measure(&moving, &of_moving, &images[0]).0 + measure(&fixed, &of_fixed, &images[1]).0;
+        assert!(after - 2.0 < 0.05 * (before - 2.0), "{before} to {after}");
+        assert!((0..moving.triangles.len()).all(|t| metric::signed_area(moving.triangle(t)) > 0.0));
+    }
+
+    #[test]
+    fn what_is_told_of_the_images_is_where_they_are() {
+        let (mut moving, fixed) = (grid(7, swirl), grid(6, |p| p));
+        let [of_moving, of_fixed] = [samples(&moving), samples(&fixed)];
+        let told = polish(&mut moving, &fixed, [&of_moving, &of_fixed]).images;
+        let fresh = [located(&moving, &fixed, &of_moving), located(&fixed, &moving, &of_fixed)];
+        for (told, fresh) in told.iter().flatten().zip(fresh.iter().flatten()) {
+            let [told, fresh] = [told, fresh].map(|s| s.expect("every vertex has triangles").point);
+            assert!(told.distance(fresh) < 1e-12, "{told} {fresh}");
+        }
+    }
+
+    /// ```text
+    ///    /\    one triangle of the moving mesh reaches over the ridge of the fixed one, a vertex at its steep side
+    /// __/  \__
+    /// ```
+    #[test]
+    fn triangles_that_a_ridge_turned_over_are_turned_back() {
+        let mut fixed = grid(12, |p| p);
+        for p in &mut fixed.points {
+            p.z = 2.0 * (0.25 - (p.x - 0.5).abs()).max(0.0);
+            p.x += 1.2 * p.z;
+        }
+        let mut moving = grid(5, swirl);
+        let [of_moving, of_fixed] = [samples(&moving), samples(&fixed)];
+        let turned = |moving: &Domain| {
+            measure(moving, &of_moving, &located(moving, &fixed, &of_moving)).1
+                + measure(&fixed, &of_fixed, &located(&fixed, moving, &of_fixed)).1
+        };
+        let before = turned(&moving);
+        let mut turned_back = 0;
+        for _ in 0..4 {
+            turned_back += polish(&mut moving, &fixed, [&of_moving, &of_fixed]).turned_back;
+        }
+        let after = turned(&moving);
+        assert!(before > 0 && after < before, "{before} to {after}");
+        assert_eq!(turned_back, before as isize - after as isize);
+    }
 }

@@ -143,6 +143,11 @@ impl<'a> Smoother<'a> {
         self.before
     }
 
+    /// Area of the moving mesh in space.
+    pub fn area(&self) -> f64 {
+        self.areas.iter().sum()
+    }
+
     /// Looks again after moves and takes back as much as it must for the energy to fall. The model is then out of date.
     pub fn settle(&mut self) {
         for _ in 0..=HALVINGS {
@@ -237,34 +242,10 @@ fn middle([a, b, c]: [DVec2; 3]) -> DVec2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::grid::{grid, swirl};
     use super::super::newton::newton;
     use super::super::sweep::sweep_exactly;
     use super::*;
-    use crate::mesh::VertexId;
-
-    /// The unit square as a grid of `n` by `n` cells, flat in space; its inner vertices are moved in the plane.
-    fn grid(n: u32, moved: impl Fn(DVec2) -> DVec2) -> Domain {
-        let mut domain = Domain::default();
-        for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
-            let p = DVec2::new(f64::from(i), f64::from(j)) / f64::from(n);
-            let inner = i % n != 0 && j % n != 0;
-            domain.vertices.push(VertexId(domain.vertices.len() as u32));
-            domain.positions.push(if inner { moved(p) } else { p });
-            domain.points.push(p.extend(0.0));
-            domain.free.push(inner);
-        }
-        for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
-            let a = j * (n + 1) + i;
-            domain.triangles.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
-        }
-        domain.connect();
-        domain
-    }
-
-    fn swirl(p: DVec2) -> DVec2 {
-        let bump = (p * (DVec2::ONE - p)).element_product();
-        p + DVec2::new(0.9 * bump, -0.6 * bump * p.x)
-    }
 
     #[test]
     fn an_isometry_has_its_area_as_energy() {

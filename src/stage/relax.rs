@@ -44,6 +44,8 @@ const SETTLED: f64 = 0.02;
 /// Newton steps are made while no more vertices than this can move: they carry errors far, which is done by then, and what
 /// triangles see at their middles is too rough for them.
 const NEWTON_UP_TO: usize = 300;
+/// A domain with more than this many times the energy of an isometry is crushed somewhere, and gets Newton steps always.
+const CRUSHED: f64 = 3.0;
 /// From level to level the vertices grow by this factor at least: with more, vertices come back too crowded to sort out.
 const GROWTH: usize = 2;
 /// Sweeps of single moves in one exchange.
@@ -54,17 +56,15 @@ const SWEEPS: usize = 2;
 pub struct RelaxOptions {
     /// Most visits of every domain from coarse to fine, which go far in little time.
     pub coarse_rounds: usize,
-    /// They end when one lowers the energy by less than this share; 0 runs all.
-    pub coarse_tolerance: f64,
     /// Most visits of every domain by the gradient of the energy itself.
     pub fine_rounds: usize,
-    /// The same for these.
-    pub fine_tolerance: f64,
+    /// Either row of rounds ends when one lowers the energy, less that of an isometry, by less than this share; 0 runs all.
+    pub tolerance: f64,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { coarse_rounds: 3, coarse_tolerance: 0.1, fine_rounds: 3, fine_tolerance: 0.05 }
+        RelaxOptions { coarse_rounds: 2, fine_rounds: 2, tolerance: 0.2 }
     }
 }
 
@@ -88,7 +88,7 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
                 }
             }
         }
-        if settled(&mut history, energy(meshes, embedding), options.fine_tolerance) {
+        if settled(&mut history, energy(meshes, embedding), options.tolerance) {
             break;
         }
     }
@@ -107,9 +107,9 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
     let mut history = vec![energy(meshes, embedding)];
-    let coarse = (Visit::FromCoarseToFine, options.coarse_rounds, options.coarse_tolerance);
-    let fine = (Visit::FollowGradient, options.fine_rounds, options.fine_tolerance);
-    for (how, rounds, tolerance) in [coarse, fine] {
+    for (how, rounds) in
+        [(Visit::FromCoarseToFine, options.coarse_rounds), (Visit::FollowGradient, options.fine_rounds)]
+    {
         for _ in 0..rounds {
             for group in &groups {
                 let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, how);
@@ -117,7 +117,7 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
             clean_up(meshes, embedding)?;
-            if settled(&mut history, energy(meshes, embedding), tolerance) {
+            if settled(&mut history, energy(meshes, embedding), options.tolerance) {
                 break;
             }
         }
@@ -146,7 +146,7 @@ pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
 fn settled(history: &mut Vec<f64>, now: f64, tolerance: f64) -> bool {
     let before = history[history.len() - 1];
     history.push(now);
-    before.is_finite() && now > before * (1.0 - tolerance)
+    before.is_finite() && now - 1.0 > (before - 1.0) * (1.0 - tolerance)
 }
 
 /// Removes the vertices that arcs left behind.
@@ -249,7 +249,7 @@ fn sweep_over(moving: &mut Domain, fixed: &Domain) -> f64 {
     let free = moving.free.iter().filter(|free| **free).count();
     let mut smoother = Smoother::sampled(moving, fixed);
     (0..SWEEPS).for_each(|k| sweep(&mut smoother, k % 2 == 1));
-    if free <= NEWTON_UP_TO {
+    if free <= NEWTON_UP_TO || smoother.energy() > CRUSHED * smoother.area() {
         newton(&mut smoother);
     }
     smoother.settle();
