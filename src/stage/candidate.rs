@@ -17,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// Least edge nodes while candidates are laid out: they settle which way arcs go, and re-routing smooths them.
 const SCOUT_NODES: u32 = 1;
 /// Candidates longer than the shortest by this factor are dropped: no relaxation makes up for it.
-const HOPELESS: f64 = 1.15;
+const HOPELESS: f64 = 1.08;
 
 /// How a layout came about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

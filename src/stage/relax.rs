@@ -44,8 +44,10 @@ const SETTLED: f64 = 0.02;
 /// Newton steps are made while no more vertices than this can move: they carry errors far, which is done by then, and what
 /// triangles see at their middles is too rough for them.
 const NEWTON_UP_TO: usize = 300;
-/// A domain with more than this many times the energy of an isometry is crushed somewhere, and gets Newton steps always.
+/// A domain with more than this many times the energy of an isometry is crushed somewhere.
 const CRUSHED: f64 = 3.0;
+/// There Newton steps are made up to so many vertices: single moves unfold too little.
+const NEWTON_WHERE_CRUSHED: usize = 1500;
 /// From level to level the vertices grow by this factor at least: with more, vertices come back too crowded to sort out.
 const GROWTH: usize = 2;
 /// Sweeps of single moves in one exchange.
@@ -64,7 +66,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { coarse_rounds: 2, fine_rounds: 2, tolerance: 0.2 }
+        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.2 }
     }
 }
 
@@ -95,6 +97,11 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
     history
 }
 
+/// A map of more energy is crushed in places where further rounds mend little for their time.
+const LOST: f64 = 10.0;
+/// Rounds of either kind that it gets.
+const ROUNDS_WHERE_LOST: usize = 2;
+
 /// How a domain is relaxed.
 #[derive(Clone, Copy)]
 enum Visit {
@@ -110,7 +117,10 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
     for (how, rounds) in
         [(Visit::FromCoarseToFine, options.coarse_rounds), (Visit::FollowGradient, options.fine_rounds)]
     {
-        for _ in 0..rounds {
+        for round in 0..rounds {
+            if round >= ROUNDS_WHERE_LOST && history.last().is_some_and(|&energy| energy > LOST) {
+                break;
+            }
             for group in &groups {
                 let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, how);
                 let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
@@ -249,7 +259,8 @@ fn sweep_over(moving: &mut Domain, fixed: &Domain) -> f64 {
     let free = moving.free.iter().filter(|free| **free).count();
     let mut smoother = Smoother::sampled(moving, fixed);
     (0..SWEEPS).for_each(|k| sweep(&mut smoother, k % 2 == 1));
-    if free <= NEWTON_UP_TO || smoother.energy() > CRUSHED * smoother.area() {
+    let is_crushed = smoother.energy() > CRUSHED * smoother.area();
+    if free <= if is_crushed { NEWTON_WHERE_CRUSHED } else { NEWTON_UP_TO } {
         newton(&mut smoother);
     }
     smoother.settle();
