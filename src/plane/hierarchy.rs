@@ -8,7 +8,7 @@
 //! "Progressive embedding", 2019 (collapsed vertices brought back into positive triangles).
 
 use super::domain::{Domain, OUTSIDE};
-use super::rings::{insert_between, replace};
+use super::rings;
 use super::visible::kernel;
 use glam::DVec2;
 
@@ -153,22 +153,13 @@ impl Hierarchy {
     }
 
     fn merge(&mut self, v: u32, start: usize, domain: &Domain) -> Merged {
-        let mut ring = std::mem::take(&mut self.rings[v as usize]);
-        ring.rotate_left(start);
-        let (u, last) = (ring[0], ring.len() - 1);
-        replace(&mut self.rings[u as usize], &[v], &ring[2..last]);
-        for &x in &ring[2..last] {
-            replace(&mut self.rings[x as usize], &[v], &[u]);
-        }
-        replace(&mut self.rings[ring[1] as usize], &[v], &[]);
-        replace(&mut self.rings[ring[last] as usize], &[v], &[]);
+        let ring = rings::merge(&mut self.rings, v, start);
         let polygon: Vec<DVec2> = ring.iter().map(|&w| domain.positions[w as usize]).collect();
         let weights = mean_value(domain.positions[v as usize], &polygon);
         Merged { vertex: v, ring, weights }
     }
 
     fn bring_back(&mut self, Merged { vertex: v, ring, weights }: Merged, domain: &mut Domain) -> Option<()> {
-        let (u, last) = (ring[0], ring.len() - 1);
         let polygon: Vec<DVec2> = ring.iter().map(|&w| domain.positions[w as usize]).collect();
         let same: DVec2 = polygon.iter().zip(&weights).map(|(&p, &w)| p * w).sum();
         let place = if sees(same, &polygon) {
@@ -178,17 +169,7 @@ impl Hierarchy {
             [room.centre(), room.mean()].into_iter().find(|&p| sees(p, &polygon))?
         };
         domain.positions[v as usize] = place;
-        if last == 2 {
-            insert_between(&mut self.rings[u as usize], ring[1], v);
-        } else {
-            replace(&mut self.rings[u as usize], &ring[2..last], &[v]);
-        }
-        for &x in &ring[2..last] {
-            replace(&mut self.rings[x as usize], &[u], &[v]);
-        }
-        insert_between(&mut self.rings[ring[1] as usize], ring[2], v);
-        insert_between(&mut self.rings[ring[last] as usize], u, v);
-        self.rings[v as usize] = ring;
+        rings::bring_back(&mut self.rings, v, ring);
         self.free.push(v);
         Some(())
     }

@@ -3,8 +3,8 @@
 //! A compatible mesh samples the map at the vertices alone. Where a triangle spans a fold of the other surface its image
 //! may be turned over although the map is not, and even where it is not turned its shape is not what the map's energy
 //! says. Here the energy of the sampled triangles of both meshes falls: a vertex takes its own image along, and the
-//! images of the other mesh's vertices that lie in the triangles around it. A move that turns fewer triangles over comes
-//! before one that lowers the energy. The map stays a homeomorphism.
+//! images of the other mesh's vertices that lie in the triangles around it. A triangle that is turned over costs as much as
+//! many that are stretched, and more the farther it is turned. The map stays a homeomorphism.
 
 use super::domain::{Domain, Fans};
 use super::walk::{Spot, walk};
@@ -55,7 +55,8 @@ pub struct Samples {
 
 impl Samples {
     /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
-    /// their own mesh and where they lie on the other one. Original vertices that are free may move.
+    /// their own mesh and where they lie on the other one. `dread` is what a triangle that is turned over costs, in energies
+    /// of a triangle of mean area under an isometry.
     pub fn new(
         domain: &Domain,
         faces: Vec<[u32; 3]>,

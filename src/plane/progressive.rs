@@ -10,7 +10,7 @@
 
 use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
-use super::rings::{insert_between, replace};
+use super::rings;
 use super::stretch::{Frame, l2_sq};
 use super::visible::kernel;
 use crate::mesh::metric;
@@ -146,15 +146,7 @@ impl Coarse<'_> {
     }
 
     fn merge(&mut self, v: u32, start: usize) -> Merged {
-        let mut ring = std::mem::take(&mut self.rings[v as usize]);
-        ring.rotate_left(start);
-        let (u, last) = (ring[0], ring.len() - 1);
-        replace(&mut self.rings[u as usize], &[v], &ring[2..last]);
-        for &x in &ring[2..last] {
-            replace(&mut self.rings[x as usize], &[v], &[u]);
-        }
-        replace(&mut self.rings[ring[1] as usize], &[v], &[]);
-        replace(&mut self.rings[ring[last] as usize], &[v], &[]);
+        let ring = rings::merge(&mut self.rings, v, start);
         Merged { vertex: v, ring }
     }
 
@@ -182,22 +174,11 @@ impl Coarse<'_> {
 
     /// Undoes a merge and puts the vertex inside its ring.
     fn bring_back(&mut self, Merged { vertex: v, ring }: Merged) -> Option<()> {
-        let (u, last) = (ring[0], ring.len() - 1);
         let polygon: Vec<DVec2> = ring.iter().map(|&w| self.positions[w as usize]).collect();
         let room = kernel(&polygon);
         let place = [room.centre(), room.mean()].into_iter().find(|&p| is_inside(p, &polygon))?;
         self.positions[v as usize] = place;
-        if last == 2 {
-            insert_between(&mut self.rings[u as usize], ring[1], v);
-        } else {
-            replace(&mut self.rings[u as usize], &ring[2..last], &[v]);
-        }
-        for &x in &ring[2..last] {
-            replace(&mut self.rings[x as usize], &[u], &[v]);
-        }
-        insert_between(&mut self.rings[ring[1] as usize], ring[2], v);
-        insert_between(&mut self.rings[ring[last] as usize], u, v);
-        self.rings[v as usize] = ring;
+        rings::bring_back(&mut self.rings, v, ring);
         Some(())
     }
 
