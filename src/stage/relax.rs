@@ -53,6 +53,11 @@ const GROWTH: usize = 2;
 /// Sweeps of single moves in one exchange.
 const SWEEPS: usize = 2;
 
+/// A map of more energy is crushed in places where further rounds mend little for their time.
+const LOST: f64 = 10.0;
+/// Rounds of either kind that it gets.
+const ROUNDS_WHERE_LOST: usize = 2;
+
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
 pub struct RelaxOptions {
@@ -96,11 +101,6 @@ pub fn relax_patches(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: 
     }
     history
 }
-
-/// A map of more energy is crushed in places where further rounds mend little for their time.
-const LOST: f64 = 10.0;
-/// Rounds of either kind that it gets.
-const ROUNDS_WHERE_LOST: usize = 2;
 
 /// How a domain is relaxed.
 #[derive(Clone, Copy)]
@@ -196,7 +196,8 @@ fn relax_domain(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2], how: Vi
     })
 }
 
-/// Mean logarithm of the energy per area that the map will come to, told by relaxing every domain coarsely; for telling layouts apart.
+/// Mean logarithm of the energy per area that the map will come to, told by relaxing every domain coarsely; for telling
+/// layouts apart. Infinite where no domain tells anything.
 pub fn promise(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
     let scale = unit_scale(meshes);
     let tilings: Vec<Tiling> = independent_domains(embedding).into_iter().flatten().collect();
@@ -208,7 +209,7 @@ pub fn promise(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
     };
     let parts: Vec<Option<(f64, f64)>> = tilings.par_iter().map(one).collect();
     let (energy, area) = parts.iter().flatten().fold((0.0, 0.0), |(e, a), (energy, area)| (e + energy, a + area));
-    energy / area
+    if area > 0.0 { energy / area } else { f64::INFINITY }
 }
 
 /// Relaxes both meshes' parts of a domain level by level, until more than `enough` vertices can move; returns the last
@@ -220,16 +221,11 @@ fn from_coarse_to_fine(domains: &mut [Domain; 2], enough: usize) -> Option<[Doma
         let [(mut source, of_source), (mut target, of_target)] = [0, 1].map(|k| levels[k].domain(&domains[k]));
         let is_finest = levels.iter().all(Hierarchy::is_finest);
         exchange([&mut source, &mut target], if is_finest { FINEST_EXCHANGES } else { exchanges });
-        if is_finest || levels.iter().any(|level| level.free() > enough) {
-            [&source, &target].into_iter().zip(domains).for_each(|(level, domain)| {
-                if is_finest {
-                    domain.positions.clone_from(&level.positions);
-                }
-            });
-            return Some([source, target]);
-        }
-        for (k, (level, of_level)) in [(source, of_source), (target, of_target)].into_iter().enumerate() {
+        for (k, (level, of_level)) in [(&source, of_source), (&target, of_target)].into_iter().enumerate() {
             of_level.iter().zip(&level.positions).for_each(|(&v, &p)| domains[k].positions[v as usize] = p);
+        }
+        if is_finest || levels.iter().any(|level| level.free() > enough) {
+            return Some([source, target]);
         }
         for (level, domain) in levels.iter_mut().zip(domains.iter_mut()) {
             let enough = GROWTH * level.free();
