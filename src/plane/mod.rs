@@ -15,6 +15,7 @@ pub mod patch_disc;
 pub mod polish;
 pub mod progressive;
 mod rings;
+pub mod samples;
 pub mod smooth;
 pub mod straighten;
 pub mod stretch;

@@ -7,9 +7,10 @@
 //! many that are stretched, and more the farther it is turned. The map stays a homeomorphism.
 
 use super::domain::{Domain, Fans};
+use super::samples::{Sample, Samples};
 use super::walk::{Spot, walk};
 use crate::mesh::metric;
-use crate::solve::dirichlet::{Metrics, Rest};
+use crate::solve::dirichlet::Metrics;
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -25,59 +26,6 @@ const REACHES: [f64; 6] = [0.03, 0.1, 0.25, 0.5, 0.9, 1.5];
 const KEEP_AREA: f64 = 0.02;
 /// A triangle is safe from turning over if the cosine of its angle against the surface is at least this.
 const SAFE_COSINE: f64 = 0.05;
-/// Triangles with less than this share of the mean area have no say: their shape is rounding noise.
-const NEGLIGIBLE: f64 = 1e-9;
-
-/// Where a vertex lies on the other surface, as far as triangles are concerned.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sample {
-    /// The point in space.
-    pub point: DVec3,
-    /// The other surface's normal there.
-    pub normal: DVec3,
-}
-
-/// The original triangles of one mesh with a corner in a domain, by vertices of the domain and, behind them, those outside.
-pub struct Samples {
-    faces: Vec<[u32; 3]>,
-    rest: Vec<Rest>,
-    /// Areas in space; 0 for triangles without a say.
-    area: Vec<f64>,
-    /// What a triangle that is turned over costs.
-    dread: f64,
-    /// The faces around every vertex.
-    around: Vec<Vec<u32>>,
-    /// Whether a vertex may move.
-    free: Vec<bool>,
-    /// Images of the vertices outside, which stay.
-    outside: Vec<Sample>,
-}
-
-impl Samples {
-    /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
-    /// their own mesh and where they lie on the other one. `dread` is what a triangle that is turned over costs, in energies
-    /// of a triangle of mean area under an isometry.
-    pub fn new(
-        domain: &Domain,
-        faces: Vec<[u32; 3]>,
-        outside: &[(DVec3, Sample)],
-        free: Vec<bool>,
-        dread: f64,
-    ) -> Self {
-        let count = domain.vertices.len();
-        let mut around = vec![Vec::new(); count];
-        for (f, corners) in (0u32..).zip(&faces) {
-            corners.iter().filter(|&&v| (v as usize) < count).for_each(|&v| around[v as usize].push(f));
-        }
-        let point = |v: u32| domain.points.get(v as usize).copied().unwrap_or_else(|| outside[v as usize - count].0);
-        let areas: Vec<f64> = faces.iter().map(|t| metric::area(t.map(point))).collect();
-        let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
-        let least = NEGLIGIBLE * mean;
-        let area = areas.into_iter().map(|a| if a > least { a } else { 0.0 }).collect();
-        let rest = faces.iter().map(|t| Rest::new(metric::flatten(t.map(point)))).collect();
-        Samples { faces, rest, area, dread: dread * mean, around, free, outside: outside.iter().map(|o| o.1).collect() }
-    }
-}
 
 /// Where a vertex of the domain lies in the other mesh.
 #[derive(Clone, Copy)]
