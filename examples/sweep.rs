@@ -2,10 +2,10 @@
 //!
 //! `cargo run --release --example sweep -- 500 [--genus LOW-HIGH] [--loops LOW-HIGH] [--seed FIRST]`
 //!
-//! Every pair has a number of its own, from FIRST on, that decides all about it: genus and boundary loops in the ranges,
-//! 3 to 60 landmarks, 1,000 to 20,000 triangles a mesh. The landmarks of four pairs in five correspond; those of the
-//! fifth are scattered on either mesh without regard to the other. Failures are printed with their numbers, so that
-//! `-- 1 --seed N` repeats one. The exit code is 1 if there was any.
+//! Every pair has a number of its own, from FIRST on, that decides all about it: genus (0 to 3 unless told otherwise),
+//! boundary loops (none unless told otherwise), 3 to 60 landmarks, 1,000 to 20,000 triangles a mesh. The landmarks of
+//! four pairs in five correspond; those of the fifth are scattered on either mesh without regard to the other. Failures
+//! are printed with their numbers, so that `-- 1 --seed N` repeats one. The exit code is 1 if there was any.
 
 use homeo::gpu::{Device, DeviceChoice};
 use homeo::mesh::SurfacePoint;
@@ -48,7 +48,7 @@ fn main() -> ExitCode {
 }
 
 fn parse(mut args: impl Iterator<Item = String>) -> Option<Sweep> {
-    let mut sweep = Sweep { count: args.next()?.parse().ok()?, first: 0, genus: 0..=0, loops: 0..=0 };
+    let mut sweep = Sweep { count: args.next()?.parse().ok()?, first: 0, genus: 0..=3, loops: 0..=0 };
     while let Some(flag) = args.next() {
         let value = args.next()?;
         match flag.as_str() {

@@ -10,7 +10,7 @@ use proptest::prelude::*;
 use std::ops::RangeInclusive;
 
 /// Genus of the pairs.
-const GENUS: RangeInclusive<usize> = 0..=0;
+const GENUS: RangeInclusive<usize> = 0..=3;
 /// Boundary loops of the pairs.
 const LOOPS: RangeInclusive<usize> = 0..=3;
 
