@@ -6,6 +6,7 @@ use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_ma
 use homeo::gpu::Compute;
 use homeo::mesh::{TriMesh, VertexId};
 use homeo::shape::DEMO_PAIRS;
+use homeo::stage::check::Guides;
 use homeo::stage::cluster::BaseVertices;
 use homeo::stage::relax::{RelaxOptions, relax_arcs};
 use homeo::stage::{cluster, compose, embed, layout, stretch, trace};
@@ -39,10 +40,11 @@ fn stages(c: &mut Criterion) {
             let mut group = c.benchmark_group(name);
             group.bench_function(BenchmarkId::from_parameter(size), |b| b.iter(&mut *run));
         };
-        bench("cluster", &mut || drop(black_box(cluster::cluster(meshes, landmarks))));
-        let sets = cluster::cluster(meshes, landmarks);
-        let BaseVertices { vertices, clusters, .. } = &sets[0];
-        let traced = || trace::trace(meshes[0], &vertices[0], &clusters[0], EDGE_NODES).expect("arcs are traced");
+        bench("cluster", &mut || drop(black_box(cluster::cluster(meshes, landmarks, &Guides::default()))));
+        let sets = cluster::cluster(meshes, landmarks, &Guides::default());
+        let BaseVertices { vertices, clusters, given, .. } = &sets[0];
+        let traced =
+            || trace::trace(meshes[0], &vertices[0], &given[0], &clusters[0], EDGE_NODES).expect("arcs are traced");
         bench("trace", &mut || drop(black_box(traced())));
         let laid_out = || {
             let layouts = layout::layouts(meshes, &sets, EDGE_NODES, 1);

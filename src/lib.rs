@@ -9,7 +9,7 @@
 //! Every stage takes a value and makes the next; [`pipeline::stages`] lists them, [`stage`] holds one file for each.
 //!
 //! ```text
-//!  two files, landmarks
+//!  two files, landmarks, hint
 //!        | load       vertices keep their order and number            mesh::io
 //!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check, path::handedness
 //!        |            from here on in canonical order                 mesh::canonical
@@ -57,7 +57,8 @@
 //! separate. An arc that separates a region is taken only if both sides agree on both meshes, and is postponed otherwise.
 //! When only postponed arcs are left, joining ones go first, then those that open a handle; then every region is a disc,
 //! in which each arc has one way to go.
-//! Boundary loops carry arcs before any other is traced ([`path::rim`]), so they are walks like the others.
+//! Boundary loops carry arcs before any other is traced ([`path::rim`]), so they are walks like the others; so do guides,
+//! which are taken only if they leave the same region structure ([`stage::check::Guides`]).
 //!
 //! # Glossary
 //!
@@ -69,6 +70,7 @@
 //! | arc | a curve on a mesh between two landmarks: the image of an edge of the base complex |
 //! | base complex | abstract triangles over the landmarks; several edges may join the same two, and an edge may be a loop |
 //! | rim | an arc along a boundary loop; rims are given, and never move |
+//! | guide | a closed curve of a hint; arcs along it are given, and move later |
 //! | layout | the base complex and its arcs on both meshes |
 //! | region | what arcs leave connected |
 //! | patch | a disc bounded by three arcs: the image of a triangle of the base complex |

@@ -258,7 +258,7 @@ fn pair(source: &Mesh, target: &Mesh, landmarks: &[u32]) -> Loaded {
         notes: Vec::new(),
     };
     let (source, target) = (file("source.obj", source), file("target.obj", target));
-    Loaded { source, target, landmarks: Ok(landmarks) }
+    Loaded { source, target, landmarks: Ok(landmarks), hint: Ok(None) }
 }
 
 #[test]

@@ -146,6 +146,32 @@ fn different_genus_is_exit_4() {
     );
 }
 
+#[test]
+fn a_hint_is_followed_or_refused_by_name() {
+    let files = Files::new("hint");
+    let torus = files.add("torus.obj", &torus());
+    let landmarks = files.add("l.csv", "name,source_vertex,target_vertex\na,5,5\nb,10,10\n");
+    let curve =
+        |target: &str| format!(r#"{{"loops": [{{"name": "tube", "source": [0, 1, 2, 3], "target": {target}}}]}}"#);
+    let out = files.path("out");
+    let map = ["map", &torus, &torus, "--landmarks", &landmarks, "--out", &out, "--device", "cpu", "--image", "0"];
+    let with = |hint: &str| [&map[..], &["--hint", hint]].concat().into_iter().map(str::to_owned).collect::<Vec<_>>();
+    for (name, content, expected, words) in [
+        ("absent.json", None, 3, ["absent.json", ""]),
+        ("list.json", Some("[0, 1, 2]".to_owned()), 3, ["list.json", "no list of loops"]),
+        ("beyond.json", Some(curve("[0, 1, 16]")), 3, ["beyond.json", "16 is no vertex of the target"]),
+        ("other.json", Some(curve("[4, 5, 6, 7]")), 4, ["other.json", "landmark \"a\" lies on loop \"tube\""]),
+    ] {
+        let path = content.map_or_else(|| files.path(name), |content| files.add(name, &content));
+        let arguments = with(&path);
+        refuses(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), expected, &words);
+    }
+    let arguments = with(&files.add("good.json", &curve("[0, 1, 2, 3]")));
+    let output = homeo(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(code(&output), 0, "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("landmarks and hint leave open"), "{}", text(&output.stderr));
+}
+
 /// A torus of 4 x 4 quads, each cut into two triangles.
 fn torus() -> String {
     let angle = |i: usize| i as f64 * std::f64::consts::FRAC_PI_2;

@@ -15,6 +15,7 @@ fn checked(source: &TriMesh, target: &TriMesh, landmarks: &[[usize; 2]]) -> Resu
         source: MeshFile::of(source),
         target: MeshFile::of(target),
         landmarks: Ok(Landmarks { names, source: on_source, target: on_target, ..Landmarks::default() }),
+        hint: Ok(None),
     })
 }
 

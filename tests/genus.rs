@@ -17,6 +17,7 @@ use homeo::path::search::Searcher;
 use homeo::path::side::Explorer;
 use homeo::path::subcomplex::{Role, Subcomplex};
 use homeo::shape::{SplitMix, fixture, random_landmarks};
+use homeo::stage::check::Guides;
 use homeo::stage::cluster::cluster;
 use homeo::stage::embed::embed;
 use homeo::stage::joint::grow;
@@ -119,7 +120,7 @@ fn roles_told_from_the_complex_are_those_on_the_mesh_seeds_41_to_44() {
     for seed in 41..=44 {
         let (mesh, landmarks) = spread(fixture::genus(2, 400), 4, seed);
         let clusters = Clusters::grow(&mesh, &landmarks);
-        let traced = trace(&mesh, &landmarks, &clusters, 1).expect("a layout");
+        let traced = trace(&mesh, &landmarks, &[], &clusters, 1).expect("a layout");
         let base = &traced.base;
         assert_eq!((base.arcs.len(), base.patches.len()), (18, 12));
         // Taken off in reverse, every arc has the role that it would have if it were put back.
@@ -189,7 +190,7 @@ fn one_or_two_landmarks_are_enough_for_shapes_in_like_poses() {
         };
         let partners: Vec<VertexId> = landmarks.iter().map(nearest).collect();
         let meshes = [&source, &target];
-        let sets = cluster(meshes, [&landmarks, &partners]);
+        let sets = cluster(meshes, [&landmarks, &partners], &Guides::default());
         let layout = layouts(meshes, &sets, 3, 1).expect("a layout").swap_remove(0);
         assert_eq!(layout.base.landmarks, fewest, "base vertices");
         let (mut embedded, _) = embed(meshes, layout).expect("an embedding");
@@ -227,7 +228,7 @@ fn renamed_landmarks_and_renumbered_vertices_are_mapped_as_well_seeds_61_to_63()
 fn corners_of_a_complete_complex_are_those_on_the_mesh_seed_71() {
     let (mesh, landmarks) = spread(fixture::genus(1, 300), 3, 71);
     let clusters = Clusters::grow(&mesh, &landmarks);
-    let traced = trace(&mesh, &landmarks, &clusters, 1).expect("a layout");
+    let traced = trace(&mesh, &landmarks, &[], &clusters, 1).expect("a layout");
     let complete = Subcomplex::complete(&traced.base);
     for l in traced.cut.landmarks.ids() {
         let around = homeo::path::network::rotation(&traced.cut, l, &|_| true);

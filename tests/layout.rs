@@ -155,7 +155,7 @@ fn arcs_through_several_cuts_enclose_something_on_either_side() {
     let equator = |i: usize| 2 + 6 * 24 + i;
     let landmarks = vertices(&[0, 1, equator(0), equator(12)]);
     let clusters = Clusters::grow(&mesh, &landmarks);
-    let traced = trace(&mesh, &landmarks, &clusters, 3).expect("a layout");
+    let traced = trace(&mesh, &landmarks, &[], &clusters, 3).expect("a layout");
     let poles = [LandmarkId(0), LandmarkId(1)];
     assert_eq!(traced.base.arcs.iter().filter(|ends| **ends == poles).count(), 2);
     assert_eq!(traced.base.patches.len(), 4);

@@ -14,17 +14,18 @@ use homeo::path::rim::rims;
 use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
 use homeo::shape::fixture::{annulus, disc, icosphere, sphere_with_holes, torus};
 use homeo::shape::random_landmarks;
+use homeo::stage::check::Guides;
 use homeo::stage::cluster::{BaseVertices, cluster};
 use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::layout::layouts;
 use homeo::stage::polish::polish_samples;
-use homeo::stage::relax::{RelaxOptions, relax_arcs};
+use homeo::stage::relax::{RelaxOptions, promise, relax_arcs};
 
 /// Maps a pair and checks the layout, the certificate, the images, the landmarks and the boundaries.
 fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     let both = [&meshes[0], &meshes[1]];
-    let sets = cluster(both, [&landmarks[0], &landmarks[1]]);
+    let sets = cluster(both, [&landmarks[0], &landmarks[1]], &Guides::default());
     let layout = layouts(both, &sets, 3, 1).expect("a layout").remove(0);
     check::layout(&layout, &meshes);
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
@@ -228,6 +229,7 @@ fn the_report_and_the_tables_are_those_of_the_open_mesh() {
         target: file("target.obj"),
         landmarks: file("marks.csv"),
         target_landmarks: None,
+        hint: None,
         out: file("out"),
     };
     let options = MapOptions { image: 9, ..MapOptions::default() };
@@ -271,4 +273,18 @@ fn base_vertices_in_another_order_around_a_loop_give_no_layout() {
     let set = BaseVertices::grow([&meshes[0], &meshes[1]], landmarks, 3);
     let error = layouts([&meshes[0], &meshes[1]], &[set], 3, 1);
     assert_eq!(error.err().map(|e| e.kind), Some(ErrorKind::Bug), "the check stage refuses such pairs by name");
+}
+
+/// The only patch has no arc to relax across, so nothing tells what the layout will come to: it is taken last, but it is.
+#[test]
+fn a_layout_of_one_patch_promises_nothing_and_is_mapped() {
+    let meshes = [disc(4), bent(disc(6))];
+    let landmarks = meshes.each_ref().map(|m| (0..3).map(|k| at_rim(m, f64::from(k) / 3.0)).collect::<Vec<_>>());
+    let both = [&meshes[0], &meshes[1]];
+    let set = BaseVertices::grow(both, landmarks.clone(), 3);
+    let layout = layouts(both, &[set], 3, 1).expect("a layout").remove(0);
+    assert_eq!(layout.base.patches.len(), 1);
+    let (embedding, _) = embed(both, layout).expect("an embedding");
+    assert_eq!(promise(both, &embedding), f64::INFINITY);
+    map(meshes, landmarks);
 }

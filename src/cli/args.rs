@@ -115,6 +115,10 @@ pub struct MapArgs {
     /// File of target points, matched with those of the source by name or order
     #[arg(long, value_name = "FILE")]
     pub target_landmarks: Option<PathBuf>,
+    /// JSON `{"loops": [{"name": "handle", "source": [vertices], "target": [vertices]}]}`: closed curves that must
+    /// correspond, where landmarks leave open how the map winds around handles; listed in one direction on both meshes
+    #[arg(long, value_name = "FILE")]
+    pub hint: Option<PathBuf>,
     /// Folder for the results; appears complete or not at all
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,

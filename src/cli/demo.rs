@@ -44,6 +44,7 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
         target: dir.join("target.obj"),
         landmarks: dir.join("landmarks.csv"),
         target_landmarks: None,
+        hint: None,
         out: dir.join("map"),
     };
     fs::create_dir_all(dir).map_err(|e| Error::io(dir, &e))?;

@@ -21,6 +21,7 @@ pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCod
         target: args.target.clone(),
         landmarks: args.landmarks.clone(),
         target_landmarks: args.target_landmarks.clone(),
+        hint: args.hint.clone(),
         out: args.out.clone(),
     };
     let report = run_all(vec![job], &options, global, console)?.remove(0);

@@ -59,6 +59,11 @@ impl Canonical {
         self.vertex_here[there]
     }
 
+    /// The number in the given mesh of a vertex here.
+    pub fn vertex_there(&self, here: VertexId) -> VertexId {
+        self.vertex_there[here]
+    }
+
     /// A point in terms of the given mesh.
     pub fn point_there(&self, here: SurfacePoint) -> SurfacePoint {
         match here {

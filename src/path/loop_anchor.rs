@@ -1,12 +1,13 @@
-//! Auxiliary base vertices on boundary loops.
+//! Auxiliary base vertices on boundary loops and on guides.
 //!
-//! Every loop needs three base vertices, so that its rims are sides of proper triangles. Where the landmarks on a loop
+//! Every loop needs three base vertices, so that its arcs are sides of proper triangles. Where the landmarks on a loop
 //! are fewer, vertices at matching places are added. A loop without any is matched, and turned, by its vertices'
 //! distances to a few landmarks near by; between base vertices places match by their share of the length.
 
+use super::edge_loop::EdgeLoop;
 use super::extremity::distances;
 use super::loop_pairs::pair_by_base_vertices;
-use super::rim::{BoundaryLoop, boundary_loops};
+use super::rim::boundary_loops;
 use crate::mesh::{IdVec, TriMesh, VertexId, face_of};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -40,32 +41,55 @@ pub fn matching_anchors(meshes: [&TriMesh; 2], base_vertices: [&[VertexId]; 2]) 
     }
     // Loops without base vertices stand behind the others on both meshes, and are as many.
     let bare = rings.each_ref().map(|all| &all[pairs.len()..]);
-    let started = start_bare(meshes, bare, base_vertices);
+    let signed = sign(meshes, bare, base_vertices);
+    let started =
+        assign(&signed).into_iter().map(|(i, j)| start([&bare[0][i], &bare[1][j]], [&signed[0][i], &signed[1][j]]));
+    anchors(meshes, pairs, started.collect())
+}
+
+/// The same for loops that are paired already: those with one number correspond, with the same base vertices on them.
+pub fn anchors_between(
+    meshes: [&TriMesh; 2],
+    loops: [&[EdgeLoop]; 2],
+    base_vertices: [&[VertexId]; 2],
+) -> Vec<[VertexId; 2]> {
+    let rings = |k: usize, bare: bool| {
+        let wanted = loops[k].iter().filter(|l| l.stops.is_empty() == bare);
+        wanted.map(|l| Ring::new(meshes[k], l)).collect::<Vec<Ring>>()
+    };
+    let marked: [Vec<Ring>; 2] = [0, 1].map(|k| rings(k, false));
+    let bare: [Vec<Ring>; 2] = [0, 1].map(|k| rings(k, true));
+    let signed = sign(meshes, bare.each_ref().map(Vec::as_slice), base_vertices);
+    let started = (0..bare[0].len()).map(|i| start([&bare[0][i], &bare[1][i]], [&signed[0][i], &signed[1][i]]));
+    let [source, target] = marked;
+    anchors(meshes, source.into_iter().zip(target).map(|(a, b)| [a, b]).collect(), started.collect())
+}
+
+/// Completes all pairs of loops; those that were bare have been started at places that are anchors now.
+fn anchors(meshes: [&TriMesh; 2], mut pairs: Vec<[Ring; 2]>, started: Vec<[Ring; 2]>) -> Vec<[VertexId; 2]> {
     let mut anchors: Vec<[VertexId; 2]> = started.iter().map(|pair| pair.each_ref().map(|r| r.vertices[0])).collect();
     pairs.extend(started);
     anchors.extend(pairs.iter().flat_map(|pair| complete(meshes, pair)));
     anchors
 }
 
-/// Pairs the loops without base vertices, and lets each pair start at places that match, with a base vertex there.
-fn start_bare(meshes: [&TriMesh; 2], bare: [&[Ring]; 2], base_vertices: [&[VertexId]; 2]) -> Vec<[Ring; 2]> {
-    if bare[0].is_empty() {
-        return Vec::new();
-    }
+/// Tells loops without base vertices apart by the landmarks near them.
+fn sign(meshes: [&TriMesh; 2], bare: [&[Ring]; 2], base_vertices: [&[VertexId]; 2]) -> [Vec<Signature>; 2] {
     let marks = nearest_landmarks(meshes[0], bare[0], base_vertices[0]);
-    let signed = [0, 1].map(|k| {
+    [0, 1].map(|k| {
         let sites: Vec<VertexId> = marks.iter().map(|&l| base_vertices[k][l]).collect();
         signatures(meshes[k], bare[k], &sites)
-    });
-    let start = |(i, j): (usize, usize)| {
-        let first = turn([&signed[0][i], &signed[1][j]]);
-        [bare[0][i].started_at(first[0]), bare[1][j].started_at(first[1])]
-    };
-    assign(&signed).into_iter().map(start).collect()
+    })
+}
+
+/// Lets a pair of loops without base vertices start at places that match, with a base vertex there.
+fn start(bare: [&Ring; 2], signed: [&Signature; 2]) -> [Ring; 2] {
+    let first = turn(signed);
+    [0, 1].map(|k| bare[k].started_at(first[k]))
 }
 
 impl Ring {
-    fn new(mesh: &TriMesh, one: &BoundaryLoop) -> Self {
+    fn new(mesh: &TriMesh, one: &EdgeLoop) -> Self {
         let vertices = one.halfedges.iter().map(|&h| mesh.conn.from(h)).collect();
         Ring { vertices, stops: one.stops.iter().map(|s| s.0).collect() }
     }

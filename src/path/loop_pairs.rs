@@ -1,6 +1,6 @@
 //! Which boundary loop of one mesh corresponds to which of the other, by the base vertices on them.
 
-use super::rim::BoundaryLoop;
+use super::edge_loop::EdgeLoop;
 use crate::mesh::LandmarkId;
 
 /// Why two sets of boundary loops cannot correspond.
@@ -33,26 +33,26 @@ pub enum Mismatch {
 
 /// Pairs the loops that carry base vertices; for every loop of the source the loop of the target, None for a loop
 /// without a base vertex.
-pub fn pair_by_base_vertices(loops: [&[BoundaryLoop]; 2]) -> Result<Vec<Option<usize>>, Mismatch> {
+pub fn pair_by_base_vertices(loops: [&[EdgeLoop]; 2]) -> Result<Vec<Option<usize>>, Mismatch> {
     let [source, target] = loops;
     if source.len() != target.len() {
         return Err(Mismatch::Count([source.len(), target.len()]));
     }
     for outer in 0..2 {
         let inner = loops[1 - outer];
-        let lost = loops[outer].iter().flat_map(stops).find(|&l| loop_of(inner, l).is_none());
+        let lost = loops[outer].iter().flat_map(EdgeLoop::base_vertices).find(|&l| loop_of(inner, l).is_none());
         if let Some(landmark) = lost {
             return Err(Mismatch::Inside { landmark, outer });
         }
         for one in loops[outer] {
-            let mut on = stops(one);
+            let mut on = one.base_vertices();
             let Some(first) = on.next() else { continue };
             if let Some(other) = on.find(|&l| loop_of(inner, l) != loop_of(inner, first)) {
                 return Err(Mismatch::Split { landmarks: [first, other], together: outer });
             }
         }
     }
-    let partner = |one: &BoundaryLoop| stops(one).next().and_then(|l| loop_of(target, l));
+    let partner = |one: &EdgeLoop| one.base_vertices().next().and_then(|l| loop_of(target, l));
     let pairs: Vec<Option<usize>> = source.iter().map(partner).collect();
     for (one, &partner) in source.iter().zip(&pairs) {
         if let Some(j) = partner {
@@ -62,17 +62,13 @@ pub fn pair_by_base_vertices(loops: [&[BoundaryLoop]; 2]) -> Result<Vec<Option<u
     Ok(pairs)
 }
 
-fn stops(one: &BoundaryLoop) -> impl Iterator<Item = LandmarkId> + use<'_> {
-    one.stops.iter().map(|&(_, l)| l)
-}
-
-fn loop_of(loops: &[BoundaryLoop], landmark: LandmarkId) -> Option<usize> {
-    loops.iter().position(|one| stops(one).any(|l| l == landmark))
+fn loop_of(loops: &[EdgeLoop], landmark: LandmarkId) -> Option<usize> {
+    loops.iter().position(|one| one.base_vertices().any(|l| l == landmark))
 }
 
 /// Both loops start at their lowest base vertex, so equal cyclic orders are equal sequences.
-fn same_order(source: &BoundaryLoop, target: &BoundaryLoop) -> Result<(), Mismatch> {
-    let [there, mut back]: [Vec<LandmarkId>; 2] = [source, target].map(|one| stops(one).collect());
+pub fn same_order(source: &EdgeLoop, target: &EdgeLoop) -> Result<(), Mismatch> {
+    let [there, mut back]: [Vec<LandmarkId>; 2] = [source, target].map(|one| one.base_vertices().collect());
     if there == back {
         return Ok(());
     }

@@ -1,10 +1,12 @@
 //! Curves on surfaces: fronts, clusters, shortest paths over edge nodes, the cut mesh, regions between arcs.
 
 pub mod base_complex;
+pub mod closing;
 pub mod cluster;
 pub mod corner_distance;
 pub mod curve;
 pub mod cut_mesh;
+pub mod edge_loop;
 pub mod extremity;
 pub mod face_cells;
 pub mod front;

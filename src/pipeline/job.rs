@@ -13,6 +13,8 @@ pub struct MapJob {
     pub landmarks: PathBuf,
     /// The landmarks of the target, if they have a file of their own.
     pub target_landmarks: Option<PathBuf>,
+    /// Closed curves that must correspond, if landmarks leave open how the map winds around handles.
+    pub hint: Option<PathBuf>,
     /// Where the results go.
     pub out: PathBuf,
 }

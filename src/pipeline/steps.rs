@@ -66,8 +66,8 @@ pub struct Mapped {
 }
 
 pub fn load(job: MapJob, step: &Step) -> Result<(PathBuf, Loaded)> {
-    let MapJob { source, target, landmarks, target_landmarks, out } = job;
-    let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks })?;
+    let MapJob { source, target, landmarks, target_landmarks, hint, out } = job;
+    let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks, hint })?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
     let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
     step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
@@ -81,7 +81,7 @@ pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
 pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
     pair.then(|checked, ()| {
         let [on_source, on_target] = checked.sites();
-        let sets = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target]);
+        let sets = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target], &checked.guides);
         let count = |set: Option<&BaseVertices>| set.map_or(0, |s| s.vertices[0].len());
         let [lasting, all] = [sets.first(), sets.last()].map(count);
         let limbs = lasting - checked.landmarks.source.len();

@@ -47,7 +47,8 @@ pub fn candidates(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Vec<Candi
     let scouting =
         Scouting { meshes, set, units: meshes.map(|m| m.area().sqrt()), best: AtomicU64::new(f64::INFINITY.to_bits()) };
     let leads = match meshes[0].conn.euler_characteristic() {
-        _ if !meshes[0].conn.is_closed_and_connected() => 0..0,
+        // Growth starts from bare meshes.
+        _ if !set.given[0].is_empty() || !meshes[0].conn.is_closed_and_connected() => 0..0,
         2 => 0..1,
         _ => 0..2,
     };
@@ -97,9 +98,9 @@ impl Scouting<'_> {
 
     /// Traces mesh `from` and carries its arcs to the other one, in every order; None for an order that is hopeless.
     fn carry_all(&self, from: usize) -> Vec<Result<Option<Candidate>>> {
-        let BaseVertices { vertices, clusters, .. } = self.set;
+        let BaseVertices { vertices, clusters, given, .. } = self.set;
         let to = 1 - from;
-        let traced = match trace(self.meshes[from], &vertices[from], &clusters[from], SCOUT_NODES) {
+        let traced = match trace(self.meshes[from], &vertices[from], &given[from], &clusters[from], SCOUT_NODES) {
             Ok(traced) => traced,
             Err(error) => return vec![Err(error)],
         };
@@ -112,6 +113,7 @@ impl Scouting<'_> {
             source: &traced,
             mesh: self.meshes[to],
             landmarks: &vertices[to],
+            given: &given[to],
             edge_nodes: SCOUT_NODES,
             reference: &reference,
             enough: &|| (HOPELESS * best() - own) * self.units[to],

@@ -11,10 +11,10 @@ use crate::error::{Error, Result};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
+use crate::path::edge_loop::GivenArc;
 use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed, rotation};
 use crate::path::rebuild::Upkeep;
-use crate::path::rim::rims;
 use crate::path::search::Searcher;
 use crate::path::side::Explorer;
 use crate::path::subcomplex::{Role, Subcomplex};
@@ -41,6 +41,8 @@ pub struct Carrier<'a> {
     pub mesh: &'a TriMesh,
     /// The target's landmarks.
     pub landmarks: &'a [VertexId],
+    /// The target's given arcs.
+    pub given: &'a [GivenArc],
     /// Least number of edge nodes.
     pub edge_nodes: u32,
     /// Length of every arc on the bare target, without regard to other arcs; infinite where that says nothing.
@@ -77,8 +79,8 @@ impl Carrier<'_> {
             postponed: 0,
             given_up: false,
         };
-        self.lay_rims(&mut state)?;
-        let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| self.source.links[a] != Link::Rim).collect();
+        self.lay_given(&mut state)?;
+        let mut left: Vec<ArcId> = order.iter().copied().filter(|&a| self.source.links[a] != Link::Given).collect();
         for limit in [SWIRL, SWIRL_LATER] {
             self.sweep(&mut state, &mut left, limit);
         }
@@ -96,15 +98,15 @@ impl Carrier<'_> {
         Ok(Some(Carried { cut: state.cut, postponed: state.postponed }))
     }
 
-    /// Lays the arcs along the boundary, which both meshes number alike.
-    fn lay_rims(&self, state: &mut State) -> Result<()> {
-        for (i, rim) in rims(self.mesh, self.landmarks).iter().enumerate() {
+    /// Lays the arcs along the boundary and the guides, which both meshes number alike.
+    fn lay_given(&self, state: &mut State) -> Result<()> {
+        for (i, one) in self.given.iter().enumerate() {
             let arc = ArcId::new(i);
-            if self.source.base.arcs.raw.get(i) != Some(&rim.ends) {
-                return Err(Error::bug("the boundary loops carry different base vertices").at(arc));
+            if self.source.base.arcs.raw.get(i) != Some(&one.ends) {
+                return Err(Error::bug("loops that correspond carry different base vertices").at(arc));
             }
-            rim.lay(&mut state.cut, arc);
-            state.length += rim.length(&state.cut) - self.least(arc);
+            one.lay(&mut state.cut, arc);
+            state.length += one.length(&state.cut) - self.least(arc);
             state.placed.add(arc);
         }
         Ok(())

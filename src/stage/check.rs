@@ -1,15 +1,19 @@
 //! Stage 2: makes sure that both meshes are manifolds of the same kind, so that a map can exist.
 
 mod counterparts;
+mod guides;
 mod mirrored;
 mod trim;
 
 use super::load::Loaded;
 use crate::mesh::check::{Report, check as check_mesh};
-use crate::mesh::io::{Landmarks, MeshFile};
+use crate::mesh::io::{Hint, Landmarks, MeshFile};
 use crate::mesh::{Canonical, FaceId, TriMesh, VertexId};
 use crate::{Error, Result};
+pub use guides::Guides;
+
 use counterparts::{match_components, same_loops, same_numbers};
+use guides::Guiding;
 use mirrored::refuse_mirrored;
 use std::path::Path;
 use trim::trim;
@@ -44,6 +48,8 @@ pub struct Checked {
     pub landmarks: Landmarks,
     /// The landmarks in the order that the stages work in, by their numbers in the file.
     pub landmark_order: Vec<usize>,
+    /// Closed curves that the map takes to each other.
+    pub guides: Guides,
     /// Everything odd about the input, as sentences.
     pub warnings: Vec<String>,
 }
@@ -66,17 +72,17 @@ impl Checked {
 /// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
 /// reported.
 pub fn check(loaded: Loaded) -> Result<Checked> {
-    let Loaded { source, target, landmarks } = loaded;
+    let Loaded { source, target, landmarks, hint } = loaded;
     let (source, target) = rayon::join(|| inspect(source), || inspect(target));
     let (mut source, mut target) = (source?, target?);
     same_numbers([&source.report, &target.report]).map_err(|e| e.file(&target.file.path))?;
     let landmarks = landmarks?;
+    let hint = hint?;
     let doubt = check_landmarks([&source.mesh, &target.mesh], &landmarks)?;
     match_components([&source, &target], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let trimmed = trim([&mut source, &mut target], &landmarks);
     same_loops([&source.mesh, &target.mesh], &landmarks).map_err(|e| e.file(&target.file.path))?;
     let mut warnings = warnings(&source, &target, &landmarks);
-    warnings.extend(open_class(&source.report));
     warnings.extend(trimmed.into_iter().chain(doubt));
     if source.mesh.faces() == target.mesh.faces() {
         // Two poses of one mesh: in one order, ties are decided alike on both.
@@ -84,7 +90,20 @@ pub fn check(loaded: Loaded) -> Result<Checked> {
     }
     let mut landmark_order: Vec<usize> = (0..landmarks.names.len()).collect();
     landmark_order.sort_by_key(|&l| source.canonical.vertex(landmarks.source[l]));
-    Ok(Checked { source, target, landmarks, landmark_order, warnings })
+    let mut checked = Checked { source, target, landmarks, landmark_order, guides: Guides::default(), warnings };
+    if let Some(hint) = hint {
+        checked.guides = find_guides(&checked, &hint).map_err(|e| e.file(&hint.path))?;
+    }
+    let open = open_class(&checked);
+    checked.warnings.extend(open);
+    Ok(checked)
+}
+
+fn find_guides(checked: &Checked, hint: &Hint) -> Result<Guides> {
+    let Checked { source, target, landmarks, landmark_order, .. } = checked;
+    let [on_source, on_target] = checked.sites();
+    let sites = [on_source.as_slice(), &on_target];
+    Guiding { loaded: [source, target], landmarks, order: landmark_order, sites, hint }.find()
 }
 
 /// Checks one mesh; refuses it, naming the faults, if it is not an orientable manifold.
@@ -123,12 +142,17 @@ fn warnings(source: &LoadedMesh, target: &LoadedMesh, landmarks: &Landmarks) -> 
     warnings
 }
 
-/// What landmarks leave open on a surface with handles.
-fn open_class(report: &Report) -> Option<String> {
-    let genus = report.genus.filter(|&genus| genus > 0)?;
+/// What landmarks and guides leave open on a surface with handles.
+fn open_class(Checked { source, guides, .. }: &Checked) -> Option<String> {
+    let genus = source.report.genus.filter(|&genus| genus > 0)?;
+    let who = match (guides.is_empty(), guides.open) {
+        (true, _) => "landmarks leave",
+        (false, true) => "landmarks and hint leave",
+        (false, false) => return None,
+    };
     Some(format!(
-        "genus {genus}: landmarks leave open how often the map winds around a handle; of the ways that were tried the \
-         one with short arcs and little distortion was taken"
+        "genus {genus}: {who} open how often the map winds around a handle; of the ways that were tried the one with \
+         short arcs and little distortion was taken (--hint decides it)"
     ))
 }
 

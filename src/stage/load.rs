@@ -1,7 +1,7 @@
-//! Stage 1: reads both meshes and their landmarks.
+//! Stage 1: reads both meshes, their landmarks and the hint.
 
 use crate::Result;
-use crate::mesh::io::{Landmarks, MeshFile, read_landmarks, read_mesh};
+use crate::mesh::io::{Hint, Landmarks, MeshFile, read_hint, read_landmarks, read_mesh};
 use crate::mesh::{TriMesh, VertexId};
 use std::path::PathBuf;
 
@@ -16,6 +16,8 @@ pub struct LoadOptions {
     pub landmarks: PathBuf,
     /// Landmarks of the target.
     pub target_landmarks: Option<PathBuf>,
+    /// Closed curves that must correspond.
+    pub hint: Option<PathBuf>,
 }
 
 /// A pair as it stands in its files.
@@ -28,6 +30,8 @@ pub struct Loaded {
     /// The landmarks, all of them vertices of the meshes; or why they are none. A fault of the meshes counts for more,
     /// so the check stage has the last word.
     pub landmarks: Result<Landmarks>,
+    /// Closed curves that must correspond, if there are any; or why they are none.
+    pub hint: Result<Option<Hint>>,
 }
 
 impl Loaded {
@@ -37,7 +41,7 @@ impl Loaded {
         let [on_source, on_target] = landmarks.map(<[VertexId]>::to_vec);
         let names = (1..=on_source.len()).map(|i| format!("landmark {i}")).collect();
         let landmarks = Landmarks { names, source: on_source, target: on_target, ..Landmarks::default() };
-        Loaded { source, target, landmarks: Ok(landmarks) }
+        Loaded { source, target, landmarks: Ok(landmarks), hint: Ok(None) }
     }
 }
 
@@ -46,5 +50,6 @@ pub fn load(options: LoadOptions) -> Result<Loaded> {
     let (source, target) = rayon::join(|| read_mesh(&options.source), || read_mesh(&options.target));
     let (source, target) = (source?, target?);
     let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target);
-    Ok(Loaded { source, target, landmarks })
+    let hint = options.hint.map(|path| read_hint(&path, &source, &target)).transpose();
+    Ok(Loaded { source, target, landmarks, hint })
 }

@@ -14,10 +14,13 @@ use crate::path::search::Searcher;
 
 /// Takes out the base vertices from number `keep` on, the last first, as far as the layout allows.
 ///
-/// A vertex with a loop, or with fewer than three arcs, stays.
+/// A vertex stays if it has a loop that cannot be flipped away, or a single arc.
 pub fn take_out(meshes: [&TriMesh; 2], cuts: &mut [CutMesh; 2], base: BaseComplex, keep: usize) -> Result<BaseComplex> {
     let mut base = base;
     for l in (keep..base.landmarks).rev().map(LandmarkId::new) {
+        while let Some(flip) = Flip::of_a_loop(&base, l) {
+            base = flip.make(meshes, cuts, base)?;
+        }
         let Some(disc) = Disc::around(&base, l) else { continue };
         let mut work = Work { meshes, cuts, base, freed: Vec::new(), searcher: Searcher::default() };
         work.remove(&disc, l);
@@ -25,6 +28,46 @@ pub fn take_out(meshes: [&TriMesh; 2], cuts: &mut [CutMesh; 2], base: BaseComple
         base = work.finish()?;
     }
     Ok(base)
+}
+
+/// An arc exchanged for the other diagonal of the quad of its two patches.
+struct Flip {
+    arc: ArcId,
+    /// The corners that the new arc joins.
+    corners: [Corner; 2],
+}
+
+impl Flip {
+    /// Takes a loop at `l` away from it, if one has two patches with other vertices opposite.
+    fn of_a_loop(base: &BaseComplex, l: LandmarkId) -> Option<Self> {
+        let side_of = base.side_of();
+        let opposite = |d: DirectedArc| {
+            let (patch, side) = side_of[d.index()];
+            let after = base.patches[patch][(side + 2) % 3];
+            Some((patch, Corner { landmark: base.start(after), after: Some(after) })).filter(|(_, c)| c.landmark != l)
+        };
+        let loops = base.arcs.iter_ids().filter(|(_, ends)| **ends == [l, l]);
+        loops.map(|(arc, _)| arc).find_map(|arc| {
+            let [(left, from), (right, to)] = both(|reversed| opposite(DirectedArc { arc, reversed }))?;
+            (left != right).then_some(Flip { arc, corners: [from, to] })
+        })
+    }
+
+    /// Flips the arc on both meshes.
+    fn make(&self, meshes: [&TriMesh; 2], cuts: &mut [CutMesh; 2], mut base: BaseComplex) -> Result<BaseComplex> {
+        let mut searcher = Searcher::default();
+        for (mesh, cut) in meshes.into_iter().zip(cuts.iter_mut()) {
+            cut.unmark(self.arc, base.arcs[self.arc][0]);
+            let path = connect(cut, mesh, &mut searcher, self.corners)?;
+            embed(cut, mesh, &path, self.arc)?;
+        }
+        base.arcs[self.arc] = self.corners.map(|c| c.landmark);
+        base_complex(&cuts[0], &base.arcs)
+    }
+}
+
+fn both<T>(one: impl Fn(bool) -> Option<T>) -> Option<[T; 2]> {
+    Some([one(false)?, one(true)?])
 }
 
 /// The patches around a vertex.
@@ -36,7 +79,7 @@ struct Disc {
 }
 
 impl Disc {
-    /// The disc around `l`, unless it is bounded by fewer than three arcs or meets itself at `l`.
+    /// The disc around `l`, unless it is bounded by fewer than two arcs or meets itself at `l`.
     fn around(base: &BaseComplex, l: LandmarkId) -> Option<Self> {
         let side_of = base.side_of();
         let is_spoke = |arc: ArcId| base.arcs[arc].contains(&l);
@@ -57,7 +100,8 @@ impl Disc {
                 break;
             }
         }
-        (disc.walk.len() >= 3).then_some(disc)
+        let bounded = matches!(*disc.walk, [first, second, ..] if first.arc != second.arc);
+        bounded.then_some(disc)
     }
 }
 
@@ -84,10 +128,15 @@ impl Work<'_> {
         }
     }
 
-    /// Cuts a disc, given by its boundary walk, into triangles.
+    /// Cuts a disc, given by its boundary walk, into triangles; of two sides with nothing between, one goes.
     fn fill(&mut self, walk: Vec<DirectedArc>) -> Result<()> {
-        if walk.len() == 3 {
-            return Ok(());
+        match *walk {
+            [_, _, _] => return Ok(()),
+            [a, b] => {
+                self.merge(a.arc, b.arc);
+                return Ok(());
+            }
+            _ => {}
         }
         let corners: Vec<Corner> =
             walk.iter().map(|&d| Corner { landmark: self.base.start(d), after: Some(d) }).collect();
@@ -101,6 +150,15 @@ impl Work<'_> {
         let [there, back] = [false, true].map(|reversed| DirectedArc { arc, reversed });
         self.fill(walk[i..j].iter().copied().chain([back]).collect())?;
         self.fill(walk[j..].iter().chain(&walk[..i]).copied().chain([there]).collect())
+    }
+
+    /// Takes away one of two arcs that run side by side; not one along the boundary.
+    fn merge(&mut self, a: ArcId, b: ArcId) {
+        let first = |arc: ArcId| self.base.arcs[arc][0];
+        let gone = if self.cuts[0].is_rim(a, first(a)) { b } else { a };
+        let start = first(gone);
+        self.cuts.iter_mut().for_each(|cut| drop(cut.unmark(gone, start)));
+        self.freed.push(gone);
     }
 
     /// The corners i < j of the diagonal that is shortest on both meshes, relative to their size.

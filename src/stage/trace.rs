@@ -11,19 +11,19 @@ use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, Ver
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::cut_mesh::CutMesh;
+use crate::path::edge_loop::GivenArc;
 use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::{Regions, base_complex, walk_along};
-use crate::path::rim::rims;
 use crate::path::search::{Passage, Path, Searcher, Terminal};
 use crate::path::side::Explorer;
 
 /// How an arc came about; decides when it is carried over to the target (VORONOI, procedure 1).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Link {
-    /// Along a boundary loop; given, not traced, and first in number.
-    Rim,
+    /// Along a boundary loop or a guide; not traced, and first in number.
+    Given,
     /// Through a cut between two clusters.
     Cut,
     /// Joins parts of a region, opens a handle, or halves a region with more than three sides.
@@ -43,8 +43,14 @@ pub struct Traced {
     pub lengths: IdVec<ArcId, f64>,
 }
 
-/// Traces the arcs of the source.
-pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_nodes: u32) -> Result<Traced> {
+/// Traces the arcs of the source, beginning with those that are given.
+pub fn trace(
+    mesh: &TriMesh,
+    landmarks: &[VertexId],
+    given: &[GivenArc],
+    clusters: &Clusters,
+    edge_nodes: u32,
+) -> Result<Traced> {
     let mut tracer = Tracer {
         mesh,
         edge_nodes,
@@ -56,7 +62,7 @@ pub fn trace(mesh: &TriMesh, landmarks: &[VertexId], clusters: &Clusters, edge_n
         links: IdVec::default(),
         lengths: IdVec::default(),
     };
-    tracer.lay_rims(landmarks);
+    tracer.lay_given(given);
     tracer.link_through_cuts(clusters)?;
     while tracer.split_one_region()? {}
     let Tracer { cut, arcs, links, lengths, .. } = tracer;
@@ -100,13 +106,13 @@ impl Tracer<'_> {
         Ok(())
     }
 
-    /// Lays the arcs along the boundary.
-    fn lay_rims(&mut self, landmarks: &[VertexId]) {
-        for rim in rims(self.mesh, landmarks) {
-            let arc = self.arcs.push(rim.ends);
-            self.links.push(Link::Rim);
-            self.lengths.push(rim.length(&self.cut));
-            rim.lay(&mut self.cut, arc);
+    /// Lays the arcs along the boundary and the guides.
+    fn lay_given(&mut self, given: &[GivenArc]) {
+        for one in given {
+            let arc = self.arcs.push(one.ends);
+            self.links.push(Link::Given);
+            self.lengths.push(one.length(&self.cut));
+            one.lay(&mut self.cut, arc);
         }
     }
 

@@ -1,9 +1,10 @@
-//! Mesh and landmark files.
+//! Mesh, landmark and hint files.
 //!
 //! The readers are strict: whatever is not understood is an error that names file, place and remedy, and what comes out
 //! has the vertices of the file in their order. The format is chosen by extension, then by content.
 
 mod gltf;
+pub mod hint;
 pub mod landmarks;
 mod library_path;
 pub mod materials;
@@ -17,6 +18,7 @@ mod ply;
 mod scan;
 mod stl;
 
+pub use hint::{Hint, HintLoop, parse_hint, read_hint};
 pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
 pub use obj_write::write_obj;
