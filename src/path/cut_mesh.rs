@@ -123,6 +123,10 @@ impl CutMesh {
     }
 
     fn spread_all_nodes(&mut self) {
+        // Half as many edges as half-edges, on most of them the least number of nodes.
+        let expected = self.conn.vertex_count() + self.arc_at.len() / 2 * (self.edge_nodes as usize + 1);
+        self.node_place.reserve(expected);
+        self.node_position.reserve(expected);
         for v in self.conn.vertices() {
             let node = self.add_node(Place::Vertex(v));
             self.node_of_vertex.push(node);

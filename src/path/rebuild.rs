@@ -251,9 +251,14 @@ impl<'a> Network<'a> {
         let mut origin: Vec<SurfacePoint> = self.mesh.conn.vertices().map(SurfacePoint::Vertex).collect();
         origin.extend(used.iter().map(|&c| SurfacePoint::Edge(self.crossings[c].edge, self.crossings[c].t)));
         let chords = self.chords(&vertex_of);
-        let mut faces = Vec::new();
-        let mut face_origin = Vec::new();
+        let mut faces = Vec::with_capacity(self.mesh.conn.face_count());
+        let mut face_origin = Vec::with_capacity(self.mesh.conn.face_count());
         for f in self.mesh.conn.faces() {
+            if chords[f].is_empty() && !self.is_crossed(f) {
+                faces.push(self.mesh.face(f));
+                face_origin.push(f);
+                continue;
+            }
             let boundary = self.boundary(f, &vertex_of);
             for cell in cells_of_face(&boundary, &chords[f]) {
                 let position = |p: &BoundaryPoint| origin[p.vertex.index()].position(self.mesh);
@@ -296,6 +301,11 @@ impl<'a> Network<'a> {
             }
         }
         chords
+    }
+
+    /// True if an arc crosses a side of the face.
+    fn is_crossed(&self, f: FaceId) -> bool {
+        (0..3).any(|i| !self.on_edge[self.mesh.conn.edge_representative(corner(f, i))].is_empty())
     }
 
     /// The corners and crossings around an original face, counter-clockwise.
