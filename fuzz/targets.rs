@@ -4,9 +4,9 @@
 use glam::DVec3;
 use homeo::gpu::{Device, DeviceChoice};
 use homeo::mesh::check::check;
-use homeo::mesh::io::{MeshFile, parse_landmarks, parse_mesh, write_obj};
+use homeo::mesh::io::{Hint, HintLoop, MeshFile, parse_landmarks, parse_mesh, write_obj};
 use homeo::mesh::{FaceId, Id, SurfacePoint, TriMesh, VertexId, corner, face_of};
-use homeo::pipeline::{MapOptions, Silent, map_pairs};
+use homeo::pipeline::{MapOptions, Relaxation, Silent, map_pairs};
 use homeo::shape::SplitMix;
 use homeo::shape::fixture::{icosphere, octahedron, tetrahedron, torus};
 use homeo::stage::load::Loaded;
@@ -63,9 +63,10 @@ pub fn landmarks(bytes: &[u8]) {
     }
 }
 
-/// Two small triangulations with random landmarks get a certified map or a reason why there is none.
+/// Two small triangulations with random landmarks and guides get a certified map or a reason why there is none.
 ///
-/// Bytes: the surface; the number of landmarks; then for either mesh what is done to it, one byte each.
+/// Bytes: the surface and whether the map is relaxed; the numbers of landmarks and guides; then for either mesh what is
+/// done to it, one byte each.
 pub fn pair(bytes: &[u8]) {
     let [surface, landmarks, recipes @ ..] = bytes else { return };
     let (first, second) = recipes.split_at(recipes.len() / 2);
@@ -73,9 +74,15 @@ pub fn pair(bytes: &[u8]) {
     let sites = [0, 1].map(|k| choose(&meshes[k], usize::from(*landmarks % 12), recipes.len() as u64 + k as u64));
     let count = sites[0].len().min(sites[1].len());
     let sites = sites.each_ref().map(|s| &s[..count]);
-    let pair = Loaded::of([&meshes[0], &meshes[1]], sites);
+    let mut pair = Loaded::of([&meshes[0], &meshes[1]], sites);
+    let guides = usize::from(*landmarks / 12 % 4);
+    if guides > 0 {
+        pair.hint = Ok(Some(Hint { path: "hint".into(), loops: random_loops(&meshes, guides, recipes.len() as u64) }));
+    }
+    let relax = if surface & 64 == 0 { Relaxation::None } else { Relaxation::Full };
+    let options = MapOptions { relax, ..MapOptions::default() };
     let device = Device::open(&DeviceChoice::Cpu).expect("there is always a CPU");
-    map_pairs(std::iter::once(pair), &MapOptions::default(), &device, &Silent, |outcome| match outcome.value {
+    map_pairs(std::iter::once(pair), &options, &device, &Silent, |outcome| match outcome.value {
         Err(error) => assert_helpful(&error),
         Ok(mapped) => {
             assert!(mapped.map.certificate.bijective, "{:?}", mapped.map.certificate);
@@ -143,6 +150,17 @@ fn double_torus() -> TriMesh {
     let beside = one.positions.iter().map(|p| DVec3::new(3.0 - p.x, p.y, p.z));
     let positions = one.positions.iter().copied().chain(beside).collect();
     TriMesh::new(positions, &faces).expect("two surfaces joined along a triangle")
+}
+
+/// Loops through a few vertices each, drawn on either mesh alone or, where the numbers allow, through the same ones.
+fn random_loops(meshes: &[TriMesh; 2], count: usize, seed: u64) -> Vec<HintLoop> {
+    let one = |i: u64| {
+        let length = 3 + (seed + i) as usize % 3;
+        let lists =
+            [0, 1].map(|k| choose(&meshes[k], length, 7 * seed + i + if seed % 2 == 0 { 0 } else { 99 * k as u64 }));
+        HintLoop { name: i.to_string(), vertices: lists }
+    };
+    (0..count as u64).map(one).filter(|l| l.vertices.iter().all(|v| v.len() > 2)).collect()
 }
 
 /// `n` different vertices that faces use, or all.

@@ -85,5 +85,5 @@ fn landmark_files() {
 
 #[test]
 fn small_pairs() {
-    try_all("pair", targets::pair, 100);
+    try_all("pair", targets::pair, 600);
 }

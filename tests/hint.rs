@@ -7,7 +7,7 @@ use common::mesh::{sphere, vertices};
 use homeo::mesh::io::{Hint, HintLoop, Landmarks, MeshFile, parse_hint};
 use homeo::mesh::{Id, SurfacePoint, TriMesh, VertexId};
 use homeo::pipeline::Mapped;
-use homeo::shape::fixture;
+use homeo::shape::{fixture, random_landmarks};
 use homeo::stage::check::{Checked, check};
 use homeo::stage::load::Loaded;
 use homeo::{Error, ErrorKind, Result};
@@ -115,7 +115,7 @@ fn a_meridian_listed_backwards_turns_the_map_around() {
 fn a_hint_may_separate() {
     let surface = fixture::genus(2, 900);
     let middle = loop_near(&surface, |p| p.x);
-    let landmarks: Vec<[usize; 2]> = homeo::shape::random_landmarks(&surface, 6, 3)
+    let landmarks: Vec<[usize; 2]> = random_landmarks(&surface, 6, 3)
         .into_iter()
         .filter(|v| !middle.contains(&v.index()))
         .map(|v| [v.index(); 2])
@@ -128,6 +128,37 @@ fn a_hint_may_separate() {
         let (from, to) = (surface.positions[v], image.expect("all are mapped").position(&surface));
         assert!(side(from) == side(to) || from.x.abs() < 0.2, "{from} goes to {to}");
     }
+}
+
+/// Whatever loops there are, the identity follows them, and it is found.
+#[test]
+fn random_loops_of_a_surface_onto_itself_seeds_1_to_16() {
+    let mut laid = 0;
+    for seed in 1..=16 {
+        let genus = 1 + seed as usize % 2;
+        let surface = fixture::genus(genus, 600);
+        let landmarks: Vec<[usize; 2]> = random_landmarks(&surface, 4, seed).iter().map(|v| [v.index(); 2]).collect();
+        let through = |i: u64| random_landmarks(&surface, 4, 1000 * seed + i).iter().map(|v| v.index()).collect();
+        let lists: Vec<Vec<usize>> = (0..2 * genus as u64).map(through).collect();
+        let names = ["p", "q", "r", "s"];
+        let mut loops: Vec<(&str, [Vec<usize>; 2])> = Vec::new();
+        for (name, list) in names.into_iter().zip(lists) {
+            // Loops through one vertex, so that some meet; those that cannot be laid beside the others are left out.
+            let list: Vec<usize> = std::iter::once(17).chain(list).collect();
+            loops.push((name, [list.clone(), list]));
+            if check(pair([&surface, &surface], &landmarks, &loops)).is_err() {
+                loops.pop();
+            }
+        }
+        let name = format!("seed {seed} with {} loops", loops.len());
+        let mapped =
+            map_loaded(pair([&surface, &surface], &landmarks, &loops)).unwrap_or_else(|e| panic!("{name}: {e}"));
+        assert_sound(&mapped, &name);
+        let energy = mapped.relaxation.energies.last().copied().unwrap_or(f64::INFINITY);
+        assert!(energy < 1.1, "{name}: {energy}");
+        laid += loops.len();
+    }
+    assert!(laid >= 16, "only {laid} loops were laid");
 }
 
 /// The vertices of `mesh` nearest to the plane where `height` is zero, in order of their angle in that plane (y, z).
