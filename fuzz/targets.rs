@@ -156,8 +156,8 @@ fn double_torus() -> TriMesh {
 fn random_loops(meshes: &[TriMesh; 2], count: usize, seed: u64) -> Vec<HintLoop> {
     let one = |i: u64| {
         let length = 3 + (seed + i) as usize % 3;
-        let lists =
-            [0, 1].map(|k| choose(&meshes[k], length, 7 * seed + i + if seed % 2 == 0 { 0 } else { 99 * k as u64 }));
+        let lists = [0, 1]
+            .map(|k| choose(&meshes[k], length, 7 * seed + i + if seed.is_multiple_of(2) { 0 } else { 99 * k as u64 }));
         HintLoop { name: i.to_string(), vertices: lists }
     };
     (0..count as u64).map(one).filter(|l| l.vertices.iter().all(|v| v.len() > 2)).collect()
