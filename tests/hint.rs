@@ -110,7 +110,7 @@ fn a_meridian_listed_backwards_turns_the_map_around() {
     assert!(left_open, "a single loop leaves twists along itself open: {:?}", mapped.checked.warnings);
 }
 
-/// On genus 2 a loop around each tube leaves a sphere with four holes, a loop between the handles two tori with one.
+/// On genus 2 a loop between the handles leaves two tori with a hole each.
 #[test]
 fn a_hint_may_separate() {
     let surface = fixture::genus(2, 900);
@@ -266,27 +266,30 @@ fn a_loop_around_another_landmark_is_refused() {
     assert_sound(&map_loaded(alike).unwrap_or_else(|e| panic!("{e}")), "a circle of latitude");
 }
 
-/// Loops may surround holes, and meet more than once where landmarks tell which meeting is which.
+/// Loops may meet more than once where landmarks tell which meeting is which.
+///
+/// ```text
+///     __x__
+///    /  |  \__     a circle with a landmark at its right, inside a loop that cuts across the circle
+///   |   |  x  |
+///    \__x__/--
+/// ```
 #[test]
 fn loops_on_an_open_surface_with_two_meetings() {
     let disc = fixture::disc(8);
-    let ring = |radius: f64, shift: f64| -> Vec<usize> {
-        let near = |k: usize| {
-            let angle = TAU * k as f64 / 6.0;
-            let p = glam::DVec3::new(radius * angle.cos() + shift, radius * angle.sin(), 0.0);
-            let off = |v: &VertexId| {
-                let q = disc.positions[*v];
-                (q.x - p.x).hypot(q.y - p.y)
-            };
-            disc.conn.vertices().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a disc has vertices").index()
-        };
-        (0..6).map(near).collect()
+    let near = |radius: f64, turns: f64| {
+        let p = glam::DVec3::new(radius * (TAU * turns).cos(), radius * (TAU * turns).sin(), 0.0);
+        let off = |v: &VertexId| (disc.positions[*v] - p).truncate().length();
+        disc.conn.vertices().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a disc has vertices").index()
     };
-    let extent = disc.positions.iter().map(|p| p.x).fold(0.0, f64::max);
-    let circle = ring(0.6 * extent, 0.0);
-    let landmarks: Vec<[usize; 2]> = [0, circle[0], circle[3]].map(|v| [v; 2]).to_vec();
-    let mapped = map_loaded(pair([&disc, &disc], &landmarks, &[("circle", [circle.clone(), circle])]));
-    assert_sound(&mapped.unwrap_or_else(|e| panic!("{e}")), "a circle on a disc");
+    let circle: Vec<usize> = (0..6).map(|k| near(0.6, f64::from(k) / 6.0)).collect();
+    let across = vec![circle[1], circle[5], near(0.85, 0.0)];
+    let loops = [("circle", [circle.clone(), circle.clone()]), ("across", [across.clone(), across])];
+    let landmarks = [near(0.0, 0.0), circle[0], circle[1], circle[5]].map(|v| [v; 2]);
+    let mapped = map_loaded(pair([&disc, &disc], &landmarks, &loops)).unwrap_or_else(|e| panic!("{e}"));
+    assert_sound(&mapped, "two loops on a disc");
+    let energy = mapped.relaxation.energies.last().copied();
+    assert!(energy.is_some_and(|e| e < 1.1), "the identity follows them: {energy:?}");
 }
 
 #[test]

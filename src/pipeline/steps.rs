@@ -82,8 +82,7 @@ pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
     pair.then(|checked, ()| {
         let [on_source, on_target] = checked.sites();
         let sets = stage::cluster::cluster(checked.meshes(), [&on_source, &on_target], &checked.guides);
-        let count = |set: Option<&BaseVertices>| set.map_or(0, |s| s.vertices[0].len());
-        let [lasting, all] = [sets.first(), sets.last()].map(count);
+        let (lasting, all) = sets.last().map_or((0, 0), |set| (set.lasting, set.vertices[0].len()));
         let limbs = lasting - checked.landmarks.source.len();
         step.detail(format!("{limbs} limbs without a landmark matched, {} more places", all - lasting));
         Ok(sets)

@@ -62,9 +62,11 @@ pub fn cluster(meshes: [&TriMesh; 2], landmarks: [&[VertexId]; 2], guides: &Guid
         more.extend(found.into_iter().filter(is_free));
         add(&mut lasting, more.iter().copied().take(missing));
     }
-    let count = lasting[0].len().max(fewest);
+    let lasting_pairs = lasting[0].len();
     let mut led = lasting;
     add(&mut led, guides.base_vertices.iter().copied());
+    // Where partners are too few, vertices on guides make up for them.
+    let count = lasting_pairs.max(fewest).min(led[0].len());
     let mut all = led.clone();
     add(&mut all, more);
     let has_more = all[0].len() > led[0].len();

@@ -2,14 +2,13 @@
 
 use super::super::SIDES;
 use super::{Guides, Guiding};
-use crate::mesh::{ArcId, Id, LandmarkId, VertexId};
+use crate::mesh::{ArcId, HalfedgeId, Id, LandmarkId, VertexId};
 use crate::path::base_complex::DirectedArc;
 use crate::path::cut_mesh::CutMesh;
-use crate::path::edge_loop::{EdgeLoop, GivenArc};
+use crate::path::edge_loop::GivenArc;
 use crate::path::region::Regions;
-use crate::path::rim::rims;
 use crate::{Error, Result};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Sides of a patch: a disc between arcs with fewer is none.
 const LEAST_SIDES: usize = 3;
@@ -46,15 +45,18 @@ impl Region {
     }
 }
 
-/// Arcs along the curves and which curve each is a part of.
-struct Owners {
-    rims: usize,
-    curve: Vec<usize>,
-}
+/// For every given arc the curve that it is a part of; none for rims.
+struct Owners(Vec<Option<usize>>);
 
 impl Owners {
+    fn new(given: &[GivenArc], curves: &[Vec<HalfedgeId>]) -> Self {
+        let numbered = curves.iter().enumerate().flat_map(|(i, curve)| curve.iter().map(move |&h| (h, i)));
+        let owner: HashMap<HalfedgeId, usize> = numbered.collect();
+        Owners(given.iter().map(|arc| owner.get(arc.halfedges.first()?).copied()).collect())
+    }
+
     fn of(&self, d: DirectedArc) -> Option<usize> {
-        self.curve.get(d.arc.index().checked_sub(self.rims)?).copied()
+        self.0[d.arc.index()]
     }
 }
 
@@ -62,20 +64,13 @@ impl Guiding<'_> {
     /// Completes guides with the regions between them, if these are the same on both meshes.
     pub(super) fn compare(&self, guides: Guides, base: &[Vec<VertexId>; 2]) -> Result<Guides> {
         let meshes = self.loaded.map(|l| &l.canonical.mesh);
+        let given = [0, 1].map(|k| guides.given_arcs(k, meshes[k], &base[k]));
         let found = [0, 1].map(|k| {
             let mut cut = CutMesh::new(meshes[k], &base[k], 1);
-            let given = guides.given_arcs(k, meshes[k], &base[k]);
-            given.iter().enumerate().for_each(|(i, arc): (usize, &GivenArc)| arc.lay(&mut cut, ArcId::new(i)));
+            given[k].iter().enumerate().for_each(|(i, arc)| arc.lay(&mut cut, ArcId::new(i)));
             Regions::find(&cut)
         });
-        let owners = Owners {
-            rims: rims(meshes[0], &base[0]).len(),
-            curve: super::edge_loops(meshes[0], &guides.loops[0], &base[0])
-                .iter()
-                .enumerate()
-                .flat_map(|(i, one): (usize, &EdgeLoop)| vec![i; one.stops.len()])
-                .collect(),
-        };
+        let owners = Owners::new(&given[0], &guides.loops[0]);
         let [source, target] = found.each_ref().map(Region::all);
         self.refuse_slits(&source, &owners)?;
         let number: BTreeMap<&Region, u32> = source.iter().zip(0..).collect();

@@ -3,7 +3,7 @@
 use super::super::SIDES;
 use super::Guiding;
 use crate::mesh::{HalfedgeId, IdVec, TriMesh, VertexId};
-use crate::path::closing::{NoWay, close_loop};
+use crate::path::closing::{Closer, NoWay};
 use crate::{Error, Result};
 use std::collections::HashMap;
 
@@ -17,10 +17,11 @@ impl Guiding<'_> {
             (0..self.hint.loops.len()).map(|i| self.listed(k, i)).collect::<Result<_>>()?;
         let mut taken: IdVec<VertexId, bool> = mesh.conn.vertices().map(|v| mesh.conn.is_on_boundary(v)).collect();
         self.sites[k].iter().chain(listed.iter().flatten()).for_each(|&v| taken[v] = true);
+        let mut closer = Closer::new(mesh, taken);
         let mut owner = HashMap::new();
         let mut loops = Vec::with_capacity(listed.len());
         for (i, vertices) in listed.iter().enumerate() {
-            let halfedges = close_loop(mesh, vertices, &mut taken).map_err(|way| self.no_way(k, i, way))?;
+            let halfedges = closer.close(vertices).map_err(|way| self.no_way(k, i, way))?;
             for &h in &halfedges {
                 if let Some(other) = owner.insert(mesh.conn.edge_representative(h), i) {
                     return Err(self.one_edge(k, [i, other], h));
