@@ -314,7 +314,12 @@ impl Identity {
             landmarks: &self.landmarks,
             base: &self.base,
             layout: LayoutSummary { kind: "voronoi", arcs: 6, patches: 4, postponed: 0, flips: 0 },
-            relaxation: RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() },
+            relaxation: RelaxationSummary {
+                method: "none",
+                stretch: Default::default(),
+                energies: Vec::new(),
+                polish: Vec::new(),
+            },
             certificate: Certificate {
                 bijective: true,
                 same_complex: true,

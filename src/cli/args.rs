@@ -137,6 +137,9 @@ pub struct MapFlags {
     /// Relaxation of the map: none, within each patch, or full: across patches, arcs moving with it
     #[arg(long, default_value = "full", value_name = "METHOD")]
     pub relax: RelaxChoice,
+    /// Relaxation ends when a round lowers the energy, less that of an isometry, by less than this share; 0 runs all rounds
+    #[arg(long, default_value = "0.05", value_name = "SHARE", value_parser = share)]
+    pub tolerance: f64,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images
     #[arg(long, default_value = "65", value_name = "N", value_parser = image_size)]
     pub image: usize,
@@ -189,6 +192,11 @@ pub struct MeasureArgs {
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
 /// both meshes and their normals.
 const LARGEST_IMAGE: usize = (1 << 12) + 1;
+
+fn share(text: &str) -> Result<f64, String> {
+    let x: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if (0.0..1.0).contains(&x) { Ok(x) } else { Err("use a share from 0 to below 1, such as 0.05".to_owned()) }
+}
 
 fn image_size(text: &str) -> Result<usize, String> {
     let n: usize = text.parse().map_err(|_| "not a number".to_owned())?;

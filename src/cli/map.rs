@@ -37,7 +37,7 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
         RelaxChoice::Patch => Relaxation::Patch,
         RelaxChoice::Full => Relaxation::Full,
     };
-    Ok(MapOptions { relax, image: flags.image, seed: global.seed })
+    Ok(MapOptions { relax, tolerance: flags.tolerance, image: flags.image, seed: global.seed })
 }
 
 /// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.

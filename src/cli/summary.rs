@@ -58,6 +58,9 @@ fn verdict(report: &Report, console: &Console) -> String {
     if let [first, .., last] = relaxation.energies.as_slice() {
         text += &format!("; relaxed from sym. Dirichlet {first:.3} to {last:.3}");
     }
+    if let [first, .., last] = relaxation.polish.as_slice() {
+        text += &format!("; polished from {first:.3} to {last:.3} at the vertices");
+    }
     text
 }
 

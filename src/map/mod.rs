@@ -8,7 +8,6 @@ pub mod file_order;
 pub mod flips;
 pub mod layout_file;
 pub mod product;
-pub mod purge;
 pub mod recut;
 pub mod report;
 pub mod surface_map;

@@ -1,18 +1,22 @@
-//! Moves arcs of one mesh to where a relaxed domain says they run, and cuts the patches out again.
+//! Moves arcs of one mesh to where relaxed domains say they run, and cuts the patches out again.
 
 use super::embedding::{EmbeddedMesh, Embedding};
 use crate::error::{Error, Result};
-use crate::mesh::{IdVec, PatchId, TriMesh, VertexId};
+use crate::mesh::{ArcId, FaceId, Id, IdVec, PatchId, SurfacePoint, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
+use crate::path::cut_mesh::CutMesh;
 use crate::plane::convex::{embed_patch, is_embedded};
 use crate::plane::domain::Domain;
 use crate::plane::patch_disc::{PatchDisc, Scratch, on_grid, patch_disc};
-use crate::plane::straighten::Straightened;
+use crate::plane::straighten::{Split, Straightened};
 use crate::plane::stretch::Frame;
 use crate::plane::tiling::{Placement, Tiling};
 use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;
+
+/// Least edge nodes of a rebuilt cut mesh; no arc is traced on it any more.
+const EDGE_NODES: u32 = 1;
 
 /// A relaxed domain of one mesh whose seams are straight again.
 pub struct Relaxed {
@@ -30,64 +34,154 @@ pub fn recut_all(
     relaxed: &[Option<[Relaxed; 2]>],
 ) -> Result<()> {
     let Embedding { base, meshes: embedded, frames } = embedding;
-    let write = |(k, mesh): (usize, &mut EmbeddedMesh)| {
-        for (tiling, result) in tilings.iter().zip(relaxed) {
-            if let Some(sides) = result {
-                recut(meshes[k], mesh, base, frames, tiling, &sides[k])?;
-            }
+    let recut = |(k, old): (usize, &mut EmbeddedMesh)| {
+        let results = tilings.iter().zip(relaxed);
+        let changed: Vec<(&Tiling, &Relaxed)> =
+            results.filter_map(|(tiling, sides)| Some((tiling, &sides.as_ref()?[k]))).collect();
+        if !changed.is_empty() {
+            *old = Recut::new(meshes[k], old, base, &changed).finish(frames)?;
         }
         Ok(())
     };
-    let results: Vec<Result<()>> = embedded.par_iter_mut().enumerate().map(write).collect();
+    let results: Vec<Result<()>> = embedded.par_iter_mut().enumerate().map(recut).collect();
     results.into_iter().collect()
 }
 
-/// Moves the seams of `tiling` and takes all positions from the relaxed domain.
-fn recut(
-    mesh: &TriMesh,
-    embedded: &mut EmbeddedMesh,
-    base: &BaseComplex,
-    frames: &IdVec<PatchId, Frame>,
-    tiling: &Tiling,
-    Relaxed { domain, straight }: &Relaxed,
-) -> Result<()> {
-    for seam in &tiling.seams {
-        embedded.cut.unmark(seam.arc, base.arcs[seam.arc][0]);
-    }
-    let vertices = replay(mesh, embedded, domain, straight)?;
-    for (seam, way) in tiling.seams.iter().zip(&straight.seams) {
-        for ends in way.windows(2) {
-            let [a, b] = [ends[0].0, ends[1].0].map(|v| vertices[v as usize]);
-            let h = embedded.cut.conn.find(a, b).ok_or_else(|| lost(a, b))?;
-            embedded.cut.mark(h, DirectedArc { arc: seam.arc, reversed: false });
-        }
-        embedded.shares[seam.arc] = way.iter().map(|&(_, share)| on_grid(share)).collect();
-    }
-    let position: HashMap<VertexId, DVec2> = vertices.into_iter().zip(domain.positions.iter().copied()).collect();
-    let mut scratch = Scratch::default();
-    for tile in &tiling.tiles {
-        let disc = patch_disc(&embedded.cut, base, tile.patch, &embedded.shares, &mut scratch)?;
-        let placed = place_free(embedded, disc, &tiling.placement(tile), &frames[tile.patch], &position)?;
-        embedded.discs[tile.patch] = placed;
-    }
-    Ok(())
+/// A mesh that is cut anew.
+struct Recut<'a> {
+    mesh: &'a TriMesh,
+    old: &'a EmbeddedMesh,
+    base: &'a BaseComplex,
+    changed: &'a [(&'a Tiling, &'a Relaxed)],
+    /// Whether a patch lies in a relaxed domain.
+    is_changed: IdVec<PatchId, bool>,
+    /// The new number of every old vertex that is still needed.
+    number: IdVec<VertexId, VertexId>,
+    /// Where the new vertices lie.
+    origin: Vec<SurfacePoint>,
+    /// The new numbers of every relaxed domain's vertices.
+    of_domain: Vec<Vec<VertexId>>,
 }
 
-/// Splits the edges of the cut mesh that were split in the domain; returns the mesh's vertex of every domain vertex.
-fn replay(
-    mesh: &TriMesh,
-    embedded: &mut EmbeddedMesh,
-    domain: &Domain,
-    straight: &Straightened,
-) -> Result<Vec<VertexId>> {
-    let mut vertices = domain.vertices.clone();
-    let first = vertices.len() - straight.splits.len();
-    for (k, &(a, b, t)) in straight.splits.iter().enumerate() {
-        let [a, b] = [a, b].map(|v| vertices[v as usize]);
-        let h = embedded.cut.conn.find(a, b).ok_or_else(|| lost(a, b))?;
-        vertices[first + k] = embedded.cut.split_edge(mesh, h, t);
+impl<'a> Recut<'a> {
+    fn new(
+        mesh: &'a TriMesh,
+        old: &'a EmbeddedMesh,
+        base: &'a BaseComplex,
+        changed: &'a [(&'a Tiling, &'a Relaxed)],
+    ) -> Self {
+        let mut is_changed = IdVec::filled(false, base.patches.len());
+        changed.iter().flat_map(|(tiling, _)| &tiling.tiles).for_each(|tile| is_changed[tile.patch] = true);
+        let mut recut = Recut {
+            mesh,
+            old,
+            base,
+            changed,
+            is_changed,
+            number: IdVec::filled(VertexId(u32::MAX), old.cut.conn.vertex_count()),
+            origin: Vec::new(),
+            of_domain: Vec::new(),
+        };
+        recut.number_old();
+        recut.number_new();
+        recut
     }
-    Ok(vertices)
+
+    /// Numbers the vertices that stay: all original ones, and those of arcs that stay.
+    fn number_old(&mut self) {
+        let mut used = IdVec::filled(false, self.number.len());
+        used.raw[..self.mesh.positions.len()].fill(true);
+        for (p, disc) in self.old.discs.iter_ids() {
+            if !self.is_changed[p] {
+                disc.vertices.iter().for_each(|&v| used[v] = true);
+            }
+        }
+        for (_, Relaxed { domain, straight }) in self.changed {
+            let kept = domain.vertices.len() - straight.splits.len();
+            domain.vertices[..kept].iter().for_each(|&v| used[v] = true);
+        }
+        for v in self.old.cut.conn.vertices().filter(|&v| used[v]) {
+            self.number[v] = VertexId::new(self.origin.len());
+            self.origin.push(self.old.cut.origin[v]);
+        }
+    }
+
+    /// Numbers the vertices that splits made.
+    fn number_new(&mut self) {
+        for (_, Relaxed { domain, straight }) in self.changed {
+            let kept = domain.vertices.len() - straight.splits.len();
+            let mut ids: Vec<VertexId> = domain.vertices[..kept].iter().map(|&v| self.number[v]).collect();
+            for &Split { ends, share, face } in &straight.splits {
+                let f = self.old.cut.face_origin[face];
+                let [a, b] = ends.map(|v| {
+                    let origin = self.origin[ids[v as usize].index()].barycentric_in(self.mesh, f);
+                    origin.expect("the ends of an edge lie in the original face at its side")
+                });
+                let between = std::array::from_fn(|i| a[i] * (1.0 - share) + b[i] * share);
+                ids.push(VertexId::new(self.origin.len()));
+                self.origin.push(SurfacePoint::from_barycentric(self.mesh, f, between));
+            }
+            self.of_domain.push(ids);
+        }
+    }
+
+    fn finish(self, frames: &IdVec<PatchId, Frame>) -> Result<EmbeddedMesh> {
+        let Recut { old, base, changed, .. } = self;
+        let (mut faces, mut face_origin) = (Vec::new(), Vec::new());
+        let mut discs = old.discs.clone();
+        for p in base.patches.ids().filter(|&p| !self.is_changed[p]) {
+            let disc = &mut discs[p];
+            disc.vertices.iter_mut().for_each(|v| *v = self.number[*v]);
+            for (t, f) in disc.triangles.iter().zip(&mut disc.faces) {
+                face_origin.push(old.cut.face_origin[*f]);
+                *f = FaceId::new(faces.len());
+                faces.push(t.map(|v| disc.vertices[v as usize]));
+            }
+        }
+        for ((_, Relaxed { domain, .. }), ids) in changed.iter().zip(&self.of_domain) {
+            faces.extend(domain.triangles.iter().map(|t| t.map(|v| ids[v as usize])));
+            face_origin.extend(domain.faces.iter().map(|&f| old.cut.face_origin[f]));
+        }
+        let (ways, shares) = self.arcs();
+        let landmarks = &old.cut.landmarks.raw;
+        let mut cut = CutMesh::assemble(self.mesh, &faces, self.origin, face_origin, landmarks, EDGE_NODES)?;
+        for (arc, way) in ways.iter_ids() {
+            for ends in way.windows(2) {
+                let h = cut.conn.find(ends[0], ends[1]).ok_or_else(|| lost(ends[0], ends[1]))?;
+                cut.mark(h, DirectedArc { arc, reversed: false });
+            }
+        }
+        let mut scratch = Scratch::default();
+        for ((tiling, Relaxed { domain, .. }), ids) in changed.iter().zip(&self.of_domain) {
+            let position: HashMap<VertexId, DVec2> =
+                ids.iter().copied().zip(domain.positions.iter().copied()).collect();
+            for tile in &tiling.tiles {
+                let disc = patch_disc(&cut, base, tile.patch, &shares, &mut scratch)?;
+                let placement = tiling.placement(tile);
+                discs[tile.patch] = place_free(&cut, disc, &placement, &frames[tile.patch], &position)?;
+            }
+        }
+        Ok(EmbeddedMesh { cut, shares, discs })
+    }
+
+    /// The vertices of every arc, and their shares of its length.
+    fn arcs(&self) -> (IdVec<ArcId, Vec<VertexId>>, IdVec<ArcId, Vec<f64>>) {
+        let mut shares = self.old.shares.clone();
+        let cut = &self.old.cut;
+        let way = |(arc, ends): (ArcId, &[crate::mesh::LandmarkId; 2])| {
+            let first = std::iter::once(cut.landmarks[ends[0]]);
+            let path = first.chain(cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.conn.to(h)));
+            path.map(|v| self.number[v]).collect()
+        };
+        let mut ways: IdVec<ArcId, Vec<VertexId>> = self.base.arcs.iter_ids().map(way).collect();
+        for ((tiling, Relaxed { straight, .. }), ids) in self.changed.iter().zip(&self.of_domain) {
+            for (seam, way) in tiling.seams.iter().zip(&straight.seams) {
+                ways[seam.arc] = way.iter().map(|&(v, _)| ids[v as usize]).collect();
+                shares[seam.arc] = way.iter().map(|&(_, share)| on_grid(share)).collect();
+            }
+        }
+        (ways, shares)
+    }
 }
 
 fn lost(a: VertexId, b: VertexId) -> Error {
@@ -96,7 +190,7 @@ fn lost(a: VertexId, b: VertexId) -> Error {
 
 /// Takes the positions of free vertices from the domain; where rounding spoils a triangle the patch is embedded anew.
 fn place_free(
-    embedded: &EmbeddedMesh,
+    cut: &CutMesh,
     mut disc: PatchDisc,
     placement: &Placement,
     frame: &Frame,
@@ -107,7 +201,7 @@ fn place_free(
         disc.positions[i] = placement.reference(*q);
     }
     if !is_embedded(&disc, &disc.positions) {
-        let points: Vec<_> = disc.vertices.iter().map(|&v| embedded.cut.positions[v]).collect();
+        let points: Vec<_> = disc.vertices.iter().map(|&v| cut.positions[v]).collect();
         embed_patch(&mut disc, &points, frame).ok_or_else(|| Error::bug("a relaxed patch cannot be embedded"))?;
     }
     Ok(disc)

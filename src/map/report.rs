@@ -75,6 +75,8 @@ pub struct RelaxationSummary {
     pub stretch: [StretchSummary; 2],
     /// Symmetric Dirichlet energy of the map, mean of both directions: before, and after every round.
     pub energies: Vec<f64>,
+    /// Symmetric Dirichlet energy of the compatible meshes, mean of both: before the polish, and after every round of it.
+    pub polish: Vec<f64>,
 }
 
 /// Stretch of one mesh's patches against the triangles they are embedded in.

@@ -1,5 +1,6 @@
 //! A job of the main pipeline and its options.
 
+use crate::stage::relax::RelaxOptions;
 use std::path::PathBuf;
 
 /// One pair to be mapped.
@@ -43,10 +44,13 @@ impl Relaxation {
 }
 
 /// How pairs are mapped; common to the jobs of a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MapOptions {
     /// How far the distortion is lowered; default: across the arcs.
     pub relax: Relaxation,
+    /// Rounds of relaxation go on until one lowers the energy, less that of an isometry, by less than this share.
+    /// Default 0.05.
+    pub tolerance: f64,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images. Default 65.
     pub image: usize,
     /// Seed of whatever is drawn by chance. Default 0.
@@ -55,6 +59,6 @@ pub struct MapOptions {
 
 impl Default for MapOptions {
     fn default() -> Self {
-        MapOptions { relax: Relaxation::default(), image: 65, seed: 0 }
+        MapOptions { relax: Relaxation::default(), tolerance: RelaxOptions::default().tolerance, image: 65, seed: 0 }
     }
 }

@@ -110,7 +110,12 @@ pub fn embed(pair: Pair<Vec<Layout>>, _: &Step) -> Result<Pair<Vec<Embedded>>> {
                 flips: 0,
             };
             let (embedding, notes) = stage::embed::embed(checked.meshes(), layout)?;
-            let relaxation = RelaxationSummary { method: "none", stretch: Default::default(), energies: Vec::new() };
+            let relaxation = RelaxationSummary {
+                method: "none",
+                stretch: Default::default(),
+                energies: Vec::new(),
+                polish: Vec::new(),
+            };
             Ok(Embedded { summary, embedding, relaxation, notes })
         };
         layouts.into_iter().map(embed).collect()
@@ -128,7 +133,7 @@ pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Res
     })
 }
 
-pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<Pair<Embedded>> {
+pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, tolerance: f64, step: &Step) -> Result<Pair<Embedded>> {
     pair.then(|checked, mut candidates| {
         let meshes = checked.meshes();
         let promises: Vec<f64> = match candidates.len() {
@@ -139,14 +144,18 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, step: &Step) -> Result<
         let best = promises.iter().position(|&p| p <= least + SAME_PROMISE);
         let mut embedded = candidates.swap_remove(best.ok_or_else(|| Error::bug("no layout was made"))?);
         embedded.relaxation.method = how.name();
+        let options = RelaxOptions { tolerance, ..RelaxOptions::default() };
         embedded.relaxation.energies = match how {
             Relaxation::None => vec![energy(meshes, &embedded.embedding)],
-            Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &RelaxOptions::default()),
-            Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &RelaxOptions::default())?,
+            Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &options),
+            Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &options)?,
         };
         if how == Relaxation::Full {
-            let turned_back = stage::polish::polish_samples(meshes, &mut embedded.embedding)?;
-            step.detail(format!("{turned_back} sampled triangles turned back"));
+            let polish = stage::polish::polish_samples(meshes, &mut embedded.embedding, tolerance)?;
+            let [first, last] = [polish.energies.first(), polish.energies.last()].map(|e| e.copied().unwrap_or(1.0));
+            let turned_back = polish.turned_back;
+            step.detail(format!("polish {first:.3} to {last:.3}, {turned_back} sampled triangles turned back"));
+            embedded.relaxation.polish = polish.energies;
         }
         if let [first, .., last] = embedded.relaxation.energies.as_slice() {
             step.detail(format!("energy {first:.3} to {last:.3} in {} rounds", embedded.relaxation.energies.len() - 1));

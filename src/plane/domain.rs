@@ -5,7 +5,7 @@
 
 use super::patch_disc::{ArcShares, PatchDisc};
 use super::tiling::{Tile, Tiling};
-use crate::mesh::{PatchId, VertexId, metric};
+use crate::mesh::{FaceId, PatchId, VertexId, metric};
 use glam::{DVec2, DVec3};
 
 /// Marks the missing neighbour of a triangle at the domain's boundary.
@@ -24,6 +24,8 @@ pub struct Domain {
     pub free: Vec<bool>,
     /// Triangles, counter-clockwise.
     pub triangles: Vec<[u32; 3]>,
+    /// For every triangle a face of the cut mesh that lies in the same original face.
+    pub faces: Vec<FaceId>,
     /// For every triangle the one behind the side from corner `i` to corner `i + 1`, or [`OUTSIDE`].
     pub neighbours: Vec<[u32; 3]>,
 }
@@ -102,17 +104,18 @@ impl Domain {
     }
 
     fn add_triangles(&mut self, disc: &PatchDisc, number: &[u32]) {
+        self.faces.extend(&disc.faces);
         self.triangles.extend(disc.triangles.iter().map(|t| t.map(|v| number[v as usize])));
     }
 
     /// Splits the edge from `a` to `b` at share `t` of its way; the new vertex lies at `position` and stays there.
     ///
     /// `near` are the triangles at the edge before earlier splits. Neighbours are out of date until [`Domain::connect`]
-    /// is called. None if there is no such edge.
-    pub fn split_edge(&mut self, [a, b]: [u32; 2], t: f64, position: DVec2, near: [u32; 2]) -> Option<u32> {
+    /// is called. Returns the new vertex and a triangle at the edge; none if there is no such edge.
+    pub fn split_edge(&mut self, [a, b]: [u32; 2], t: f64, position: DVec2, near: [u32; 2]) -> Option<(u32, u32)> {
         let point = self.points[a as usize].lerp(self.points[b as usize], t);
         let middle = self.add_vertex(VertexId(u32::MAX), position, &|_| point, false);
-        let mut found = false;
+        let mut found = None;
         let latest = self.triangles.len() as u32;
         for (from, to) in [(a, b), (b, a)] {
             let side = |f: u32| {
@@ -124,9 +127,10 @@ impl Domain {
             let Some((f, far)) = likely.filter_map(side).next() else { continue };
             self.triangles[f] = [from, middle, far];
             self.triangles.push([middle, to, far]);
-            found = true;
+            self.faces.push(self.faces[f]);
+            found = Some((middle, f as u32));
         }
-        found.then_some(middle)
+        found
     }
 
     /// Finds the neighbours of all triangles.

@@ -20,6 +20,7 @@ pub mod smooth;
 pub mod straighten;
 pub mod stretch;
 pub mod sweep;
+pub mod thin;
 pub mod tiling;
 pub mod visible;
 pub mod walk;

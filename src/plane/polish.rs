@@ -22,8 +22,11 @@ const HALVINGS: usize = 3;
 const DIRECTIONS: usize = 12;
 /// How far, in mean distances to the neighbours.
 const REACHES: [f64; 6] = [0.03, 0.1, 0.25, 0.5, 0.9, 1.5];
-/// Triangles around a vertex keep this share of their area in the plane in one such move.
-const KEEP_AREA: f64 = 0.02;
+/// Triangles keep this share of the area in the plane that they would have if all around were even: those that arcs cut
+/// off have next to no say, and would vanish.
+const LEAST_LEFT: f64 = 0.05;
+/// Least area of a triangle in the plane that is not less already: smaller ones get lost in rounding.
+const LEAST_AREA: f64 = 1e-12;
 /// A triangle is safe from turning over if the cosine of its angle against the surface is at least this.
 const SAFE_COSINE: f64 = 0.05;
 
@@ -53,6 +56,8 @@ struct Polisher<'a> {
     moving: &'a mut Domain,
     fixed: &'a Domain,
     fans: Fans,
+    /// No triangle of the moving mesh gets smaller than this in the plane, doubled.
+    least: Vec<f64>,
     /// Of the moving and of the fixed mesh.
     samples: [&'a Samples; 2],
     /// Of the moving mesh's vertices on the fixed one, and the other way round; none for vertices without triangles.
@@ -84,7 +89,8 @@ pub fn polish(moving: &mut Domain, fixed: &Domain, samples: [&Samples; 2]) -> Po
         }
     }
     let (riders, ridden) = (Vec::new(), Vec::new());
-    let mut polisher = Polisher { moving, fixed, fans, samples, images, seated, riders, ridden };
+    let least = least_areas(moving, &fans);
+    let mut polisher = Polisher { moving, fixed, fans, least, samples, images, seated, riders, ridden };
     let mut polished = Polished::default();
     for v in 0..polisher.moving.vertices.len() {
         if samples[0].free[v] {
@@ -94,6 +100,23 @@ pub fn polish(moving: &mut Domain, fixed: &Domain, samples: [&Samples; 2]) -> Po
     }
     polished.images = polisher.images.map(|images| images.into_iter().map(|i| i.map(|i| i.sample)).collect());
     polished
+}
+
+/// No triangle gets smaller than this in the plane, doubled: a share of what its neighbourhood has for its area in space,
+/// or what it has if that is less already.
+fn least_areas(domain: &Domain, fans: &Fans) -> Vec<f64> {
+    let planar: Vec<f64> = (0..domain.triangles.len()).map(|t| metric::signed_area(domain.triangle(t))).collect();
+    let spatial: Vec<f64> = domain.triangles.iter().map(|t| metric::area(domain.spatial(t))).collect();
+    let density = |v: u32| {
+        let sum = |areas: &[f64]| fans.around(v as usize).iter().map(|&(t, _)| areas[t as usize]).sum::<f64>();
+        sum(&planar) / sum(&spatial)
+    };
+    let density: Vec<f64> = (0..domain.vertices.len() as u32).map(density).collect();
+    let one = |(t, corners): (usize, &[u32; 3])| {
+        let usual = corners.iter().map(|&v| density[v as usize]).sum::<f64>() / 3.0 * spatial[t];
+        2.0 * (LEAST_LEFT * usual).max(LEAST_AREA).min(planar[t] * (1.0 - 1e-9))
+    };
+    domain.triangles.iter().enumerate().map(one).collect()
 }
 
 /// The images of the vertices that carry samples.
@@ -141,10 +164,10 @@ impl Polisher<'_> {
 
     /// Tries places all around for one with fewer triangles turned over.
     fn search(&mut self, v: usize, from: DVec2, found: (State, DVec2)) -> (State, DVec2) {
-        let ring: Vec<[DVec2; 2]> = self.fans.around(v).iter().map(|&(t, i)| self.opposite(t, i)).collect();
-        let reach = ring.iter().map(|[a, _]| a.distance(from)).sum::<f64>() / ring.len() as f64;
-        let keeps =
-            |p: DVec2| ring.iter().all(|&[a, b]| (a - p).perp_dot(b - p) > KEEP_AREA * (a - from).perp_dot(b - from));
+        let ring: Vec<([DVec2; 2], f64)> =
+            self.fans.around(v).iter().map(|&(t, i)| (self.opposite(t, i), self.least[t as usize])).collect();
+        let reach = ring.iter().map(|([a, _], _)| a.distance(from)).sum::<f64>() / ring.len() as f64;
+        let keeps = |p: DVec2| ring.iter().all(|&([a, b], least)| (a - p).perp_dot(b - p) > least);
         let (mut best, mut place) = found;
         for k in 0..DIRECTIONS * REACHES.len() {
             let turn = DVec2::from_angle(TAU * (k % DIRECTIONS) as f64 / DIRECTIONS as f64);
@@ -224,13 +247,15 @@ impl Polisher<'_> {
         let mut state = State { cost: 0.0, turned: 0 };
         for (side, f) in self.concerned(v) {
             let Some(image) = self.face_image(side, f) else { continue };
-            let cosine = facing(&image);
-            state.cost += self.samples[side].dread * (SAFE_COSINE - cosine).max(0.0);
-            state.turned += usize::from(cosine < 0.0);
+            if (f as usize) < self.samples[side].whole {
+                let cosine = facing(&image);
+                state.cost += self.samples[side].dread * (SAFE_COSINE - cosine).max(0.0);
+                state.turned += usize::from(cosine < 0.0);
+            }
             let area = self.samples[side].area[f as usize];
             if area > 0.0 {
                 let flat = metric::flatten(image.map(|i| i.point));
-                state.cost += self.samples[side].rest[f as usize].energy(&identity(area), flat);
+                state.cost += self.samples[side].rest[f as usize].energy(&Metrics::identity(area), flat);
             }
         }
         state
@@ -260,7 +285,7 @@ impl Polisher<'_> {
             let Some(image) = self.face_image(side, f).filter(|_| area > 0.0) else { continue };
             let points = image.map(|i| i.point);
             let flat = metric::flatten(points);
-            let block = self.samples[side].rest[f as usize].block(&identity(area), flat);
+            let block = self.samples[side].rest[f as usize].block(&Metrics::identity(area), flat);
             let along = (points[1] - points[0]).normalize_or_zero();
             let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
             let axes = [along, normal.cross(along)];
@@ -301,19 +326,10 @@ impl Polisher<'_> {
         let p = self.moving.positions[v];
         let one = |&(t, i): &(u32, u8)| {
             let [b, c] = self.opposite(t, i);
-            let (area, loss) = ((b - p).perp_dot(c - p), step.perp_dot(c - b));
+            let (area, loss) = ((b - p).perp_dot(c - p) - self.least[t as usize], step.perp_dot(c - b));
             if loss > 0.0 { area / loss } else { f64::INFINITY }
         };
         self.fans.around(v).iter().map(one).fold(f64::INFINITY, f64::min)
-    }
-}
-
-/// Space itself, for triangles whose images are laid flat.
-fn identity(area: f64) -> Metrics {
-    Metrics {
-        sum: DMat2::from_diagonal(DVec2::splat(area)),
-        inverse: DMat2::from_diagonal(DVec2::splat(area)),
-        weight: area,
     }
 }
 
@@ -329,7 +345,7 @@ mod tests {
     use super::*;
 
     fn samples(domain: &Domain) -> Samples {
-        Samples::new(domain, domain.triangles.clone(), &[], domain.free.clone(), 1000.0)
+        Samples::new(domain, domain.triangles.clone(), &[], &[], domain.free.clone(), 1000.0)
     }
 
     /// Energy and number of turned triangles of the images of `mesh`.
@@ -338,7 +354,8 @@ mod tests {
         let mut sums = (0.0, 0);
         for (f, corners) in mesh.triangles.iter().enumerate() {
             let image = corners.map(image);
-            sums.0 += samples.rest[f].energy(&identity(samples.area[f]), metric::flatten(image.map(|s| s.point)));
+            sums.0 +=
+                samples.rest[f].energy(&Metrics::identity(samples.area[f]), metric::flatten(image.map(|s| s.point)));
             sums.1 += usize::from(facing(&image) < 0.0);
         }
         sums

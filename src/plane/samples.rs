@@ -8,6 +8,9 @@ use glam::DVec3;
 /// Triangles with less than this share of the mean area have no say: their shape is rounding noise.
 const NEGLIGIBLE: f64 = 1e-9;
 
+/// What parts of triangles count for, as a share of what whole ones do: enough to keep them from collapsing.
+const SHARE_OF_PARTS: f64 = 0.1;
+
 /// Where a vertex lies on the other surface, as far as triangles are concerned.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sample {
@@ -19,6 +22,8 @@ pub struct Sample {
 
 /// The original triangles of one mesh with a corner in a domain, by vertices of the domain and, behind them, those outside.
 pub struct Samples {
+    /// So many of the triangles are whole, the others parts of them.
+    pub(super) whole: usize,
     /// Their corners.
     pub(super) faces: Vec<[u32; 3]>,
     /// Their shapes in space.
@@ -37,26 +42,40 @@ pub struct Samples {
 
 impl Samples {
     /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
-    /// their own mesh and where they lie on the other one. `dread` is what a triangle that is turned over costs, in energies
+    /// their own mesh and where they lie on the other one. `parts` are the domain's triangles that are only parts of original
+    /// ones. `dread` is what a triangle that is turned over costs, in energies
     /// of a triangle of mean area under an isometry.
     pub fn new(
         domain: &Domain,
-        faces: Vec<[u32; 3]>,
+        mut faces: Vec<[u32; 3]>,
+        parts: &[[u32; 3]],
         outside: &[(DVec3, Sample)],
         free: Vec<bool>,
         dread: f64,
     ) -> Self {
         let count = domain.vertices.len();
+        let whole = faces.len();
+        faces.extend_from_slice(parts);
         let mut around = vec![Vec::new(); count];
         for (f, corners) in (0u32..).zip(&faces) {
             corners.iter().filter(|&&v| (v as usize) < count).for_each(|&v| around[v as usize].push(f));
         }
         let point = |v: u32| domain.points.get(v as usize).copied().unwrap_or_else(|| outside[v as usize - count].0);
         let areas: Vec<f64> = faces.iter().map(|t| metric::area(t.map(point))).collect();
-        let mean = areas.iter().sum::<f64>() / areas.len().max(1) as f64;
+        let mean = areas[..whole].iter().sum::<f64>() / whole.max(1) as f64;
         let least = NEGLIGIBLE * mean;
-        let area = areas.into_iter().map(|a| if a > least { a } else { 0.0 }).collect();
+        let share = |f: usize| if f < whole { 1.0 } else { SHARE_OF_PARTS };
+        let area = areas.into_iter().enumerate().map(|(f, a)| if a > least { a * share(f) } else { 0.0 }).collect();
         let rest = faces.iter().map(|t| Rest::new(metric::flatten(t.map(point)))).collect();
-        Samples { faces, rest, area, dread: dread * mean, around, free, outside: outside.iter().map(|o| o.1).collect() }
+        Samples {
+            whole,
+            faces,
+            rest,
+            area,
+            dread: dread * mean,
+            around,
+            free,
+            outside: outside.iter().map(|o| o.1).collect(),
+        }
     }
 }

@@ -6,6 +6,7 @@
 
 use super::domain::{Domain, Fans, OUTSIDE};
 use super::tiling::Tiling;
+use crate::mesh::FaceId;
 use glam::DVec2;
 
 /// Triangles keep this share of their area when a vertex is put onto the segment.
@@ -15,8 +16,16 @@ const LEAST_GAP: f64 = 1e-10;
 /// Triangles are at least this high: lower ones may turn over when they are rounded to their patch's coordinates.
 const LEAST_HEIGHT: f64 = 1e-13;
 
-/// An edge to be split: from, to, share of the way.
-pub type Split = (u32, u32, f64);
+/// An edge that was split.
+#[derive(Clone, Copy, Debug)]
+pub struct Split {
+    /// From and to.
+    pub ends: [u32; 2],
+    /// The share of the way.
+    pub share: f64,
+    /// A face of the cut mesh in an original face at the edge.
+    pub face: FaceId,
+}
 
 /// How the seams run.
 #[derive(Clone, Debug, Default)]
@@ -59,8 +68,9 @@ pub fn straighten(domain: &mut Domain, tiling: &Tiling, snap: f64) -> Option<Str
             let v = match meeting {
                 Meeting::Vertex(v) => v,
                 Meeting::Edge { ends, share, triangles } => {
-                    result.splits.push((ends[0], ends[1], share));
-                    domain.split_edge(ends, share, from + (to - from) * x, triangles)?
+                    let (v, t) = domain.split_edge(ends, share, from + (to - from) * x, triangles)?;
+                    result.splits.push(Split { ends, share, face: domain.faces[t as usize] });
+                    v
                 }
             };
             domain.free[v as usize] = false;

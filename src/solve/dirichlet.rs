@@ -27,6 +27,12 @@ impl Metrics {
     /// Nothing gathered yet.
     pub const NONE: Metrics = Metrics { sum: DMat2::ZERO, inverse: DMat2::ZERO, weight: 0.0 };
 
+    /// Space itself, for a triangle of the given area whose image is laid flat.
+    pub fn identity(area: f64) -> Self {
+        let sum = DMat2::from_diagonal(DVec2::splat(area));
+        Metrics { sum, inverse: sum, weight: area }
+    }
+
     /// Adds metrics, their weights multiplied.
     pub fn add_weighted(&mut self, other: &Metrics, weight: f64) {
         self.sum += other.sum * weight;

@@ -3,36 +3,50 @@
 //! Input: a relaxed embedding. Output: the same with some vertices moved a little, so that the sampled triangles of both
 //! meshes have less energy and fewer of them are turned over. Invariant: every patch stays embedded.
 
-use super::relax::{LEAST_SNAP, domains, independent_domains, unit_scale};
+use super::relax::{LEAST_SNAP, domains, independent_domains, thin_domains, unit_scale};
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
 use crate::map::surface_map::{Chart, compose};
-use crate::mesh::{IdVec, SurfacePoint, TriMesh, VertexId, face_of};
+use crate::mesh::{FaceId, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use crate::plane::domain::Domain;
 use crate::plane::polish::polish;
 use crate::plane::samples::{Sample, Samples};
 use crate::plane::straighten::straighten;
 use crate::plane::tiling::Tiling;
+use crate::solve::dirichlet::{Metrics, Rest};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
 /// an isometry: much at first, when the most can be turned back, then less, so that none stays badly stretched for it.
-const DREAD: [f64; 3] = [3000.0, 1000.0, 300.0];
+const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
+/// Rounds that are always made: the dread falls in them.
+const LEAST_ROUNDS: usize = 2;
 /// Visits of a domain's vertices in one visit of the domain.
 const SWEEPS: usize = 2;
 /// Where the vertices of the source lie on the target, and the other way round.
 type Images = [IdVec<VertexId, Sample>; 2];
 
-/// Polishes both compatible meshes; returns how many turned triangles were turned back.
-pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Result<isize> {
+/// What polishing brought.
+#[derive(Clone, Debug)]
+pub struct Polish {
+    /// So many fewer triangles are turned over.
+    pub turned_back: isize,
+    /// Symmetric Dirichlet energy of the compatible meshes, mean of both: before, and after every round.
+    pub energies: Vec<f64>,
+}
+
+/// Polishes both compatible meshes. It ends when a round lowers their energy, less that of an isometry, by less than the
+/// share `tolerance`.
+pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, tolerance: f64) -> Result<Polish> {
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
     let mut images = locate(meshes, embedding, scale)?;
     let mut turned_back = 0;
-    for dread in DREAD {
+    let mut energies = vec![sampled_energy(meshes, &images, scale)];
+    for (round, dread) in DREAD.into_iter().enumerate() {
         for group in &groups {
             let visit = |tiling: &Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
             let results: Vec<Option<Visited>> = group.par_iter().map(visit).collect();
@@ -48,8 +62,14 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Resul
             }
             recut_all(meshes, embedding, group, &relaxed)?;
         }
+        let now = sampled_energy(meshes, &images, scale);
+        let is_settled = now - 1.0 > (energies[round] - 1.0) * (1.0 - tolerance);
+        energies.push(now);
+        if round >= LEAST_ROUNDS && is_settled {
+            break;
+        }
     }
-    Ok(turned_back)
+    Ok(Polish { turned_back, energies })
 }
 
 /// The outcome of polishing a domain.
@@ -76,6 +96,22 @@ fn locate(meshes: [&TriMesh; 2], embedding: &Embedding, scale: [f64; 2]) -> Resu
     Ok([there?, back?])
 }
 
+/// Mean of both compatible meshes' energies; triangles without area have no say.
+fn sampled_energy(meshes: [&TriMesh; 2], images: &Images, scale: [f64; 2]) -> f64 {
+    let one_way = |k: usize| {
+        let mesh = meshes[k];
+        let one = |f: FaceId| {
+            let points = mesh.triangle(f).map(|p| p * scale[k]);
+            let image = mesh.conn.face(f).map(|v| images[k][v].point);
+            let (area, flat) = (metric::area(points), metric::flatten(image));
+            let energy = Rest::new(metric::flatten(points)).energy(&Metrics::identity(area), flat);
+            if energy.is_finite() { energy } else { 0.0 }
+        };
+        mesh.conn.faces().map(one).sum::<f64>()
+    };
+    0.5 * (one_way(0) + one_way(1))
+}
+
 fn visit(
     meshes: [&TriMesh; 2],
     embedding: &Embedding,
@@ -84,7 +120,7 @@ fn visit(
     scale: [f64; 2],
     dread: f64,
 ) -> Option<Visited> {
-    let [mut source, mut target] = domains(embedding, tiling, scale);
+    let [mut source, mut target] = thin_domains(meshes, embedding, domains(embedding, tiling, scale));
     let on_source = samples(meshes[0], &source, &images[0], scale[0], dread);
     let on_target = samples(meshes[1], &target, &images[1], scale[1], dread);
     let mut turned_back = 0;
@@ -126,6 +162,7 @@ fn samples(mesh: &TriMesh, domain: &Domain, images: &IdVec<VertexId, Sample>, sc
             }));
         }
     }
-    let free = domain.vertices.iter().zip(&domain.free).map(|(&v, &free)| free && is_original(v)).collect();
-    Samples::new(domain, faces, &outside, free, dread)
+    let has_extra = |t: &&[u32; 3]| t.iter().any(|&v| !is_original(domain.vertices[v as usize]));
+    let parts: Vec<[u32; 3]> = domain.triangles.iter().filter(has_extra).copied().collect();
+    Samples::new(domain, faces, &parts, &outside, domain.free.clone(), dread)
 }

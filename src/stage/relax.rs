@@ -9,7 +9,6 @@
 
 use crate::error::Result;
 use crate::map::embedding::Embedding;
-use crate::map::purge::purge;
 use crate::map::recut::{Relaxed, recut_all};
 use crate::mesh::{Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::plane::convex::is_embedded;
@@ -19,6 +18,7 @@ use crate::plane::newton::newton;
 use crate::plane::smooth::{self, Smoother};
 use crate::plane::straighten::straighten;
 use crate::plane::sweep::{sweep, sweep_exactly};
+use crate::plane::thin::{Origins, thin_out};
 use crate::plane::tiling::Tiling;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -53,6 +53,10 @@ const GROWTH: usize = 2;
 /// Sweeps of single moves in one exchange.
 const SWEEPS: usize = 2;
 
+/// Descents by the gradient of the energy itself in one visit of a domain: what is seen at the middles of triangles misses
+/// some that nearly collapse, and these must have opened before the visit can be judged.
+const DESCENTS: usize = 2;
+
 /// A map of more energy is crushed in places where further rounds mend little for their time.
 const LOST: f64 = 10.0;
 /// Rounds of either kind that it gets.
@@ -71,7 +75,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.2 }
+        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.05 }
     }
 }
 
@@ -122,11 +126,10 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
                 break;
             }
             for group in &groups {
-                let visit = |tiling: &Tiling| relax_domain(embedding, tiling, scale, how);
+                let visit = |tiling: &Tiling| relax_domain(meshes, embedding, tiling, scale, how);
                 let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
-            clean_up(meshes, embedding)?;
             if settled(&mut history, energy(meshes, embedding), options.tolerance) {
                 break;
             }
@@ -159,14 +162,6 @@ fn settled(history: &mut Vec<f64>, now: f64, tolerance: f64) -> bool {
     before.is_finite() && now - 1.0 > (before - 1.0) * (1.0 - tolerance)
 }
 
-/// Removes the vertices that arcs left behind.
-fn clean_up(meshes: [&TriMesh; 2], embedding: &mut Embedding) -> Result<()> {
-    let scale = unit_scale(meshes);
-    let Embedding { base, meshes: [source, target], .. } = embedding;
-    purge([meshes[0], meshes[1]], [source, target], base, scale)?;
-    purge([meshes[1], meshes[0]], [target, source], base, [scale[1], scale[0]])
-}
-
 /// The two meshes' parts of a domain.
 pub(super) fn domains(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2]) -> [Domain; 2] {
     [0, 1].map(|k| {
@@ -176,16 +171,33 @@ pub(super) fn domains(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2]) -
     })
 }
 
-fn relax_domain(embedding: &Embedding, tiling: &Tiling, scale: [f64; 2], how: Visit) -> Option<[Relaxed; 2]> {
-    let mut domains = domains(embedding, tiling, scale);
-    let before = match how {
-        Visit::FromCoarseToFine => {
-            let before = smooth::energy(&domains[0], &domains[1]);
-            from_coarse_to_fine(&mut domains, usize::MAX)?;
-            before
-        }
-        Visit::FollowGradient => follow_gradient(&mut domains)?,
+/// The same without what arcs left behind.
+pub(super) fn thin_domains(meshes: [&TriMesh; 2], embedding: &Embedding, whole: [Domain; 2]) -> [Domain; 2] {
+    let [source, target] = whole;
+    let thin = |k: usize, domain: Domain| {
+        let cut = &embedding.meshes[k].cut;
+        let origins = Origins { mesh: meshes[k], point: &|v| cut.origin[v], face: &|f| cut.face_origin[f] };
+        thin_out(domain, &origins)
     };
+    [thin(0, source), thin(1, target)]
+}
+
+fn relax_domain(
+    meshes: [&TriMesh; 2],
+    embedding: &Embedding,
+    tiling: &Tiling,
+    scale: [f64; 2],
+    how: Visit,
+) -> Option<[Relaxed; 2]> {
+    let whole = domains(embedding, tiling, scale);
+    let before = smooth::energy(&whole[0], &whole[1]);
+    let mut domains = thin_domains(meshes, embedding, whole);
+    if let Visit::FromCoarseToFine = how {
+        from_coarse_to_fine(&mut domains, usize::MAX)?;
+    }
+    (0..DESCENTS).for_each(|_| {
+        follow_gradient(&mut domains);
+    });
     SNAPS.iter().find_map(|&snap| {
         let [mut source, mut target] = domains.clone();
         let straight = [straighten(&mut source, tiling, snap)?, straighten(&mut target, tiling, snap)?];
