@@ -1,7 +1,7 @@
 //! Flat domains for the tests of this room.
 
 use super::domain::Domain;
-use crate::mesh::VertexId;
+use crate::mesh::{FaceId, VertexId};
 use glam::DVec2;
 
 /// The unit square as a grid of `n` by `n` cells, flat in space; its inner vertices are moved in the plane.
@@ -17,6 +17,7 @@ pub(super) fn grid(n: u32, moved: impl Fn(DVec2) -> DVec2) -> Domain {
     }
     for (j, i) in (0..n).flat_map(|j| (0..n).map(move |i| (j, i))) {
         let a = j * (n + 1) + i;
+        domain.faces.extend([0, 1].map(|k| FaceId(domain.triangles.len() as u32 + k)));
         domain.triangles.extend([[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]);
     }
     domain.connect();

@@ -150,3 +150,86 @@ fn after(t: &[u32; 3], v: u32) -> u32 {
 fn redrawn(t: [u32; 3], v: u32, w: u32) -> [u32; 3] {
     t.map(|u| if u == v { w } else { u })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::grid::{grid, swirl};
+    use super::*;
+    use crate::mesh::Id;
+    use crate::path::cut_mesh::CutMesh;
+
+    /// A grid whose triangles were divided, and the mesh it was: places in the plane go with the original faces.
+    fn divided(free: bool) -> (TriMesh, CutMesh, Domain, Domain) {
+        let whole = grid(5, swirl);
+        let faces: Vec<[VertexId; 3]> = whole.triangles.iter().map(|t| t.map(VertexId)).collect();
+        let mesh = TriMesh::new(whole.points.clone(), &faces).expect("a grid is a manifold");
+        let mut cut = CutMesh::new(&mesh, &[], 1);
+        for k in 0..40 {
+            let inner =
+                cut.conn.halfedges().filter(|&h| cut.conn.twin(h).is_some() && cut.conn.is_edge_representative(h));
+            let h = inner.into_iter().nth(7 * k % 60).expect("so many edges");
+            cut.split_edge(&mesh, h, 0.2 + 0.015 * k as f64);
+        }
+        let place = |v: VertexId| {
+            let (f, b) = cut.origin[v].on_face(&mesh).expect("every vertex has a face");
+            (0..3).map(|i| whole.positions[mesh.face(f)[i].index()] * b[i]).sum()
+        };
+        let vertices: Vec<VertexId> = cut.conn.vertices().collect();
+        let mut domain = Domain {
+            positions: vertices.iter().map(|&v| place(v)).collect(),
+            points: cut.positions.raw.clone(),
+            free: vertices.iter().map(|v| whole.free.get(v.index()).copied().unwrap_or(free)).collect(),
+            triangles: cut.conn.faces().map(|f| cut.conn.face(f).map(|v| v.0)).collect(),
+            faces: cut.conn.faces().collect(),
+            vertices,
+            ..Domain::default()
+        };
+        domain.connect();
+        (mesh, cut, whole, domain)
+    }
+
+    fn thin(mesh: &TriMesh, cut: &CutMesh, domain: Domain) -> Domain {
+        thin_out(domain, &Origins { mesh, point: &|v| cut.origin[v], face: &|f| cut.face_origin[f] })
+    }
+
+    #[test]
+    fn what_only_divides_goes_and_the_original_mesh_is_left() {
+        let (mesh, cut, whole, domain) = divided(true);
+        assert!(domain.vertices.len() > whole.vertices.len() + 30);
+        let rest = thin(&mesh, &cut, domain);
+        assert_eq!(rest.vertices, whole.vertices);
+        assert_eq!(rest.triangles.len(), whole.triangles.len());
+        for (t, &f) in rest.triangles.iter().zip(&rest.faces) {
+            let mut corners = mesh.face(cut.face_origin[f]);
+            let mut found = t.map(|v| rest.vertices[v as usize]);
+            corners.sort_unstable();
+            found.sort_unstable();
+            assert_eq!(found, corners);
+        }
+        assert!((0..rest.triangles.len()).all(|t| metric::signed_area(rest.triangle(t)) > 0.0));
+    }
+
+    #[test]
+    fn what_must_not_move_stays() {
+        let (mesh, cut, _, domain) = divided(false);
+        let rest = thin(&mesh, &cut, domain.clone());
+        assert_eq!((rest.vertices, rest.triangles), (domain.vertices, domain.triangles));
+    }
+
+    /// Places in the plane that go with no original face: some vertices find nowhere to go.
+    #[test]
+    fn nothing_turns_over() {
+        let (mesh, cut, whole, mut domain) = divided(true);
+        for (v, p) in domain.positions.iter_mut().enumerate().skip(whole.vertices.len()) {
+            let shake = DVec2::from_angle(2.4 * v as f64) * 0.004;
+            *p += shake;
+        }
+        let flipped = |domain: &Domain| {
+            (0..domain.triangles.len()).filter(|&t| metric::signed_area(domain.triangle(t)) <= 0.0).count()
+        };
+        let before = flipped(&domain);
+        let rest = thin(&mesh, &cut, domain.clone());
+        assert!(rest.vertices.len() < domain.vertices.len());
+        assert!(flipped(&rest) <= before);
+    }
+}
