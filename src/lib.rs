@@ -19,7 +19,7 @@
 //!      Layout         one base complex, two cut meshes
 //!        | embed      every patch into its base triangle               plane::convex
 //!        | stretch    all patches at once, on the compute device       kernel, gpu
-//!        | relax      across the arcs, which move with it,             plane::domain, plane::hierarchy, plane::smooth
+//!        | relax      across the arcs, which move with it,             plane::domain, plane::thin, plane::hierarchy, plane::smooth
 //!        |            then the compatible meshes themselves            plane::polish
 //!        v
 //!     Embedding       source patches -> base complex <- target patches

@@ -74,6 +74,8 @@ struct Polisher<'a> {
 pub struct Polished {
     /// So many fewer triangles are turned over.
     pub turned_back: isize,
+    /// By how much the energy fell, what turned triangles cost included.
+    pub gained: f64,
     /// Where the vertices of the moving and the fixed mesh lie now, if triangles depend on it.
     pub images: [Vec<Option<Sample>>; 2],
 }
@@ -95,6 +97,7 @@ pub fn polish(moving: &mut Domain, fixed: &Domain, samples: [&Samples; 2]) -> Po
     for v in 0..polisher.moving.vertices.len() {
         if samples[0].free[v] {
             let (before, after) = polisher.improve(v);
+            polished.gained += before.cost - after.cost;
             polished.turned_back += before.turned as isize - after.turned as isize;
         }
     }

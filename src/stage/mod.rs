@@ -19,4 +19,5 @@ pub mod relax;
 pub mod stretch;
 pub mod take_out;
 pub mod trace;
+mod visits;
 pub mod write;

@@ -4,6 +4,7 @@
 //! meshes have less energy and fewer of them are turned over. Invariant: every patch stays embedded.
 
 use super::relax::{LEAST_SNAP, domains, independent_domains, thin_domains, unit_scale};
+use super::visits::Visits;
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
@@ -24,6 +25,8 @@ use std::collections::{HashMap, HashSet};
 const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
 /// Rounds that are always made: the dread falls in them.
 const LEAST_ROUNDS: usize = 2;
+/// A visit that lowers the energy by a smaller share of the domain's area leaves it settled.
+const LITTLE: f64 = 0.002;
 /// Visits of a domain's vertices in one visit of the domain.
 const SWEEPS: usize = 2;
 /// Where the vertices of the source lie on the target, and the other way round.
@@ -46,12 +49,23 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
     let mut images = locate(meshes, embedding, scale)?;
     let mut turned_back = 0;
     let mut energies = vec![sampled_energy(meshes, &images, scale)];
+    let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
     for (round, dread) in DREAD.into_iter().enumerate() {
-        for group in &groups {
-            let visit = |tiling: &Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
-            let results: Vec<Option<Visited>> = group.par_iter().map(visit).collect();
+        if round < LEAST_ROUNDS {
+            visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
+        }
+        for (g, group) in groups.iter().enumerate() {
+            let visit = |(i, tiling): (usize, &Tiling)| {
+                if visits.is_settled(g, i, tiling) {
+                    None
+                } else {
+                    visit(meshes, embedding, &images, tiling, scale, dread)
+                }
+            };
+            let results: Vec<Option<Visited>> = group.par_iter().enumerate().map(visit).collect();
             let mut relaxed = Vec::with_capacity(results.len());
-            for result in results {
+            for (i, result) in results.into_iter().enumerate() {
+                visits.note(g, i, &group[i], result.as_ref().map_or(0.0, |visited| visited.gain));
                 relaxed.push(result.map(|visited| {
                     turned_back += visited.turned_back;
                     for (k, moved) in visited.images.into_iter().enumerate() {
@@ -74,6 +88,8 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
 
 /// The outcome of polishing a domain.
 struct Visited {
+    /// By which share of the domain's area the energy fell.
+    gain: f64,
     turned_back: isize,
     images: [Vec<(VertexId, Sample)>; 2],
     relaxed: [Relaxed; 2],
@@ -123,12 +139,14 @@ fn visit(
     let [mut source, mut target] = thin_domains(meshes, embedding, domains(embedding, tiling, scale));
     let on_source = samples(meshes[0], &source, &images[0], scale[0], dread);
     let on_target = samples(meshes[1], &target, &images[1], scale[1], dread);
-    let mut turned_back = 0;
+    let area = 0.5 * (source.area() + target.area());
+    let (mut turned_back, mut gained) = (0, 0.0);
     let mut last = [Vec::new(), Vec::new()];
     for _ in 0..SWEEPS {
         let there = polish(&mut source, &target, [&on_source, &on_target]);
         let back = polish(&mut target, &source, [&on_target, &on_source]);
         turned_back += there.turned_back + back.turned_back;
+        gained += there.gained + back.gained;
         let [target_images, source_images] = back.images;
         last = [source_images, target_images];
     }
@@ -141,7 +159,7 @@ fn visit(
     let images = [moved(&source, of_source, meshes[0]), moved(&target, of_target, meshes[1])];
     let [first, second] = straight;
     let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
-    Some(Visited { turned_back, images, relaxed })
+    Some(Visited { gain: gained / area, turned_back, images, relaxed })
 }
 
 /// The faces of the original mesh with a corner in a domain.

@@ -7,6 +7,7 @@
 //! This is a Schwarz iteration over overlapping domains, parallel over domains that share no patch. Invariant: every patch
 //! stays embedded; a domain whose energy does not fall, or whose arcs cannot be read, is left as it was.
 
+use super::visits::Visits;
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
@@ -56,6 +57,9 @@ const SWEEPS: usize = 2;
 /// Descents by the gradient of the energy itself in one visit of a domain: what is seen at the middles of triangles misses
 /// some that nearly collapse, and these must have opened before the visit can be judged.
 const DESCENTS: usize = 2;
+
+/// A visit that lowers what a domain has more energy than an isometry by a smaller share leaves it settled.
+const LITTLE: f64 = 0.01;
 
 /// A map of more energy is crushed in places where further rounds mend little for their time.
 const LOST: f64 = 10.0;
@@ -121,13 +125,25 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
     for (how, rounds) in
         [(Visit::FromCoarseToFine, options.coarse_rounds), (Visit::FollowGradient, options.fine_rounds)]
     {
+        let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         for round in 0..rounds {
             if round >= ROUNDS_WHERE_LOST && history.last().is_some_and(|&energy| energy > LOST) {
                 break;
             }
-            for group in &groups {
-                let visit = |tiling: &Tiling| relax_domain(meshes, embedding, tiling, scale, how);
-                let relaxed: Vec<Option<[Relaxed; 2]>> = group.par_iter().map(visit).collect();
+            for (g, group) in groups.iter().enumerate() {
+                let visit = |(i, tiling): (usize, &Tiling)| {
+                    if visits.is_settled(g, i, tiling) {
+                        None
+                    } else {
+                        relax_domain(meshes, embedding, tiling, scale, how)
+                    }
+                };
+                let results: Vec<Option<([Relaxed; 2], f64)>> = group.par_iter().enumerate().map(visit).collect();
+                let mut relaxed = Vec::with_capacity(results.len());
+                for (i, result) in results.into_iter().enumerate() {
+                    visits.note(g, i, &group[i], result.as_ref().map_or(0.0, |(_, gain)| *gain));
+                    relaxed.push(result.map(|(sides, _)| sides));
+                }
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
             if settled(&mut history, energy(meshes, embedding), options.tolerance) {
@@ -182,14 +198,16 @@ pub(super) fn thin_domains(meshes: [&TriMesh; 2], embedding: &Embedding, whole: 
     [thin(0, source), thin(1, target)]
 }
 
+/// Relaxes a domain; also returns by which share of what there was to gain its energy fell.
 fn relax_domain(
     meshes: [&TriMesh; 2],
     embedding: &Embedding,
     tiling: &Tiling,
     scale: [f64; 2],
     how: Visit,
-) -> Option<[Relaxed; 2]> {
+) -> Option<([Relaxed; 2], f64)> {
     let whole = domains(embedding, tiling, scale);
+    let isometry = 0.5 * (whole[0].area() + whole[1].area());
     let before = smooth::energy(&whole[0], &whole[1]);
     let mut domains = thin_domains(meshes, embedding, whole);
     if let Visit::FromCoarseToFine = how {
@@ -204,7 +222,7 @@ fn relax_domain(
         let after = smooth::energy(&source, &target);
         let [first, second] = straight;
         let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
-        (after < before).then_some(relaxed)
+        (after < before).then(|| (relaxed, (before - after) / (before - isometry)))
     })
 }
 
