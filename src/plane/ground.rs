@@ -96,11 +96,6 @@ impl<'a> Ground<'a> {
         Overlay::new(self.domain)
     }
 
-    /// Energy of a triangle.
-    pub fn energy(&self, overlay: &mut Overlay, above: &Above) -> f64 {
-        above.rest.energy(&self.gather(overlay, above, 0, false).metrics, above.corners)
-    }
-
     /// What a triangle sees, looked for from the fixed triangle `near`; the slope is zero unless asked for.
     pub fn gather(&self, overlay: &mut Overlay, above: &Above, near: u32, slopes: bool) -> Seen {
         let Above { corners, rest, area: whole } = above;
@@ -135,11 +130,7 @@ pub(super) fn areas(domain: &Domain) -> Vec<f64> {
     domain.triangles.iter().map(|t| metric::area(domain.spatial(t))).collect()
 }
 
-/// The area in space below which a triangle of a domain has no say.
-pub fn least_area(domain: &Domain) -> f64 {
-    floor(&areas(domain))
-}
-
+/// The area in space below which a triangle of a domain has no say, from the areas of all.
 pub(super) fn floor(areas: &[f64]) -> f64 {
     NEGLIGIBLE * areas.iter().sum::<f64>() / areas.len() as f64
 }

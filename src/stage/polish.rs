@@ -17,7 +17,6 @@ use crate::plane::straighten::straighten;
 use crate::plane::tiling::Tiling;
 use crate::solve::dirichlet::{Metrics, Rest};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
@@ -55,17 +54,10 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }
         for (g, group) in groups.iter().enumerate() {
-            let visit = |(i, tiling): (usize, &Tiling)| {
-                if visits.is_settled(g, i, tiling) {
-                    None
-                } else {
-                    visit(meshes, embedding, &images, tiling, scale, dread)
-                }
-            };
-            let results: Vec<Option<Visited>> = group.par_iter().enumerate().map(visit).collect();
+            let visit = |tiling: &Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
+            let results = visits.group(g, group, visit);
             let mut relaxed = Vec::with_capacity(results.len());
-            for (i, result) in results.into_iter().enumerate() {
-                visits.note(g, i, &group[i], result.as_ref().map_or(0.0, |visited| visited.gain));
+            for result in results {
                 relaxed.push(result.map(|visited| {
                     turned_back += visited.turned_back;
                     for (k, moved) in visited.images.into_iter().enumerate() {
@@ -88,8 +80,6 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
 
 /// The outcome of polishing a domain.
 struct Visited {
-    /// By which share of the domain's area the energy fell.
-    gain: f64,
     turned_back: isize,
     images: [Vec<(VertexId, Sample)>; 2],
     relaxed: [Relaxed; 2],
@@ -112,7 +102,7 @@ fn locate(meshes: [&TriMesh; 2], embedding: &Embedding, scale: [f64; 2]) -> Resu
     Ok([there?, back?])
 }
 
-/// Mean of both compatible meshes' energies; triangles without area have no say.
+/// Mean of both compatible meshes' energies; triangles without area, here or there, have no say.
 fn sampled_energy(meshes: [&TriMesh; 2], images: &Images, scale: [f64; 2]) -> f64 {
     let one_way = |k: usize| {
         let mesh = meshes[k];
@@ -128,6 +118,7 @@ fn sampled_energy(meshes: [&TriMesh; 2], images: &Images, scale: [f64; 2]) -> f6
     0.5 * (one_way(0) + one_way(1))
 }
 
+/// Polishes a domain; also returns by which share of its area the energy fell.
 fn visit(
     meshes: [&TriMesh; 2],
     embedding: &Embedding,
@@ -135,7 +126,7 @@ fn visit(
     tiling: &Tiling,
     scale: [f64; 2],
     dread: f64,
-) -> Option<Visited> {
+) -> Option<(Visited, f64)> {
     let [mut source, mut target] = thin_domains(meshes, embedding, domains(embedding, tiling, scale));
     let on_source = samples(meshes[0], &source, &images[0], scale[0], dread);
     let on_target = samples(meshes[1], &target, &images[1], scale[1], dread);
@@ -159,7 +150,7 @@ fn visit(
     let images = [moved(&source, of_source, meshes[0]), moved(&target, of_target, meshes[1])];
     let [first, second] = straight;
     let relaxed = [Relaxed { domain: source, straight: first }, Relaxed { domain: target, straight: second }];
-    Some(Visited { gain: gained / area, turned_back, images, relaxed })
+    Some((Visited { turned_back, images, relaxed }, gained / area))
 }
 
 /// The faces of the original mesh with a corner in a domain.

@@ -131,19 +131,8 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
                 break;
             }
             for (g, group) in groups.iter().enumerate() {
-                let visit = |(i, tiling): (usize, &Tiling)| {
-                    if visits.is_settled(g, i, tiling) {
-                        None
-                    } else {
-                        relax_domain(meshes, embedding, tiling, scale, how)
-                    }
-                };
-                let results: Vec<Option<([Relaxed; 2], f64)>> = group.par_iter().enumerate().map(visit).collect();
-                let mut relaxed = Vec::with_capacity(results.len());
-                for (i, result) in results.into_iter().enumerate() {
-                    visits.note(g, i, &group[i], result.as_ref().map_or(0.0, |(_, gain)| *gain));
-                    relaxed.push(result.map(|(sides, _)| sides));
-                }
+                let visit = |tiling: &Tiling| relax_domain(meshes, embedding, tiling, scale, how);
+                let relaxed = visits.group(g, group, visit);
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
             if settled(&mut history, energy(meshes, embedding), options.tolerance) {

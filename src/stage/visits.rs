@@ -2,6 +2,7 @@
 
 use crate::mesh::{IdVec, PatchId};
 use crate::plane::tiling::Tiling;
+use rayon::prelude::*;
 
 /// What happened to the domains so far.
 pub(super) struct Visits {
@@ -20,13 +21,27 @@ impl Visits {
         Visits { changes: IdVec::filled(0, patches), settled, little }
     }
 
-    /// True if another visit of domain `i` of a group would bring next to nothing.
-    pub fn is_settled(&self, group: usize, i: usize, tiling: &Tiling) -> bool {
-        self.settled[group][i].as_ref().is_some_and(|then| *then == self.of(tiling))
+    /// Visits the domains of a group that are not settled, side by side; a visit returns its result and what it gained.
+    pub fn group<T: Send>(
+        &mut self,
+        group: usize,
+        tilings: &[Tiling],
+        visit: impl Fn(&Tiling) -> Option<(T, f64)> + Sync,
+    ) -> Vec<Option<T>> {
+        let settled = &self.settled[group];
+        let is_settled = |i: usize| settled[i].as_ref().is_some_and(|then| *then == self.of(&tilings[i]));
+        let one = |i: usize| if is_settled(i) { None } else { visit(&tilings[i]) };
+        let results: Vec<Option<(T, f64)>> = (0..tilings.len()).into_par_iter().map(one).collect();
+        let mut kept = Vec::with_capacity(results.len());
+        for (i, result) in results.into_iter().enumerate() {
+            let (result, gain) = result.map_or((None, 0.0), |(result, gain)| (Some(result), gain));
+            self.note(group, i, &tilings[i], gain);
+            kept.push(result);
+        }
+        kept
     }
 
-    /// Notes what a visit gained.
-    pub fn note(&mut self, group: usize, i: usize, tiling: &Tiling, gain: f64) {
+    fn note(&mut self, group: usize, i: usize, tiling: &Tiling, gain: f64) {
         if gain < self.little {
             self.settled[group][i] = Some(self.of(tiling));
         } else {
