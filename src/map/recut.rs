@@ -2,7 +2,7 @@
 
 use super::embedding::{EmbeddedMesh, Embedding};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, FaceId, Id, IdVec, PatchId, SurfacePoint, TriMesh, VertexId};
+use crate::mesh::{ArcId, FaceId, Id, IdVec, LandmarkId, PatchId, SurfacePoint, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cut_mesh::CutMesh;
 use crate::plane::convex::{embed_patch, is_embedded};
@@ -168,7 +168,7 @@ impl<'a> Recut<'a> {
     fn arcs(&self) -> (IdVec<ArcId, Vec<VertexId>>, IdVec<ArcId, Vec<f64>>) {
         let mut shares = self.old.shares.clone();
         let cut = &self.old.cut;
-        let way = |(arc, ends): (ArcId, &[crate::mesh::LandmarkId; 2])| {
+        let way = |(arc, ends): (ArcId, &[LandmarkId; 2])| {
             let first = std::iter::once(cut.landmarks[ends[0]]);
             let path = first.chain(cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.conn.to(h)));
             path.map(|v| self.number[v]).collect()

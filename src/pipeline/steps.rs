@@ -152,9 +152,10 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, tolerance: f64, step: &
         };
         if how == Relaxation::Full {
             let polish = stage::polish::polish_samples(meshes, &mut embedded.embedding, tolerance)?;
-            let [first, last] = [polish.energies.first(), polish.energies.last()].map(|e| e.copied().unwrap_or(1.0));
-            let turned_back = polish.turned_back;
-            step.detail(format!("polish {first:.3} to {last:.3}, {turned_back} sampled triangles turned back"));
+            if let [first, .., last] = polish.energies.as_slice() {
+                let turned_back = polish.turned_back;
+                step.detail(format!("polish {first:.3} to {last:.3}, {turned_back} sampled triangles turned back"));
+            }
             embedded.relaxation.polish = polish.energies;
         }
         if let [first, .., last] = embedded.relaxation.energies.as_slice() {

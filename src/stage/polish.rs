@@ -22,8 +22,8 @@ use std::collections::{HashMap, HashSet};
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
 /// an isometry: much at first, when the most can be turned back, then less, so that none stays badly stretched for it.
 const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
-/// Rounds that are always made: the dread falls in them.
-const LEAST_ROUNDS: usize = 2;
+/// The round from which on they may end: in those before, the dread falls.
+const EARLIEST_END: usize = 2;
 /// A visit that lowers the energy by a smaller share of the domain's area leaves it settled.
 const LITTLE: f64 = 0.002;
 /// Visits of a domain's vertices in one visit of the domain.
@@ -50,7 +50,7 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
     let mut energies = vec![sampled_energy(meshes, &images, scale)];
     let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
     for (round, dread) in DREAD.into_iter().enumerate() {
-        if round < LEAST_ROUNDS {
+        if round > 0 && dread != DREAD[round - 1] {
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }
         for (g, group) in groups.iter().enumerate() {
@@ -71,7 +71,7 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
         let now = sampled_energy(meshes, &images, scale);
         let is_settled = now - 1.0 > (energies[round] - 1.0) * (1.0 - tolerance);
         energies.push(now);
-        if round >= LEAST_ROUNDS && is_settled {
+        if round >= EARLIEST_END && is_settled {
             break;
         }
     }

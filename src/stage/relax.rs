@@ -202,9 +202,9 @@ fn relax_domain(
     if let Visit::FromCoarseToFine = how {
         from_coarse_to_fine(&mut domains, usize::MAX)?;
     }
-    (0..DESCENTS).for_each(|_| {
+    for _ in 0..DESCENTS {
         follow_gradient(&mut domains);
-    });
+    }
     SNAPS.iter().find_map(|&snap| {
         let [mut source, mut target] = domains.clone();
         let straight = [straighten(&mut source, tiling, snap)?, straighten(&mut target, tiling, snap)?];
