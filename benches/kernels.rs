@@ -4,7 +4,9 @@ use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_m
 use glam::{DVec2, DVec3};
 use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::kernel::vertex_stretch::vertex_stretch;
-use homeo::kernel::{self, Lanes, Lists, Query, RelaxInput, RelaxOptions, RelaxSession, Rings};
+use homeo::kernel::{self, Lanes, Lists, Piece, Query, RelaxInput, RelaxOptions, RelaxSession, Rings, Sight};
+use homeo::mesh::metric;
+use homeo::solve::dirichlet::{Metrics, Rest};
 use std::hint::black_box;
 use std::time::Duration;
 
@@ -79,6 +81,8 @@ fn kernels(c: &mut Criterion) {
                 session.run(&sweep).expect("the device works");
                 black_box(session.read().expect("the device works"));
             });
+            let mut pieces = [moving(&grid)];
+            bench("composed sweep", &mut || kernel::sweep_all(compute, &mut pieces, 1).expect("the device works"));
         }
     }
 }
@@ -89,6 +93,17 @@ fn relaxation<'d>(compute: &'d Compute, grid: &Grid) -> RelaxSession<'d> {
     let Grid { triangles, plane, surface, .. } = grid;
     let input = RelaxInput { triangles, rings: &rings, weights: &weights, surface, plane };
     RelaxSession::new(compute, &input).expect("the device works")
+}
+
+/// The hill as a mesh that moves over the plane.
+fn moving(grid: &Grid) -> Piece {
+    let sight = |t: &[u32; 3]| {
+        let points = t.map(|v| grid.surface[v as usize]);
+        let rest = Rest::new(metric::flatten(points));
+        Sight::new(&rest, &Metrics::identity(metric::area(points)), t.map(|v| grid.plane[v as usize]))
+    };
+    let sights = grid.triangles.iter().map(sight).collect();
+    Piece::new(&grid.triangles, sights, &grid.plane, &grid.free).expect("a grid fits together")
 }
 
 criterion_group! {

@@ -67,7 +67,7 @@ fn relaxations(c: &mut Criterion, size: usize, meshes: [&TriMesh; 2], start: &ho
         b.iter_batched(|| start.clone(), run, BatchSize::LargeInput);
     });
     c.benchmark_group("relax, one round").bench_function(id(), |b| {
-        let run = |mut e| relax_arcs(meshes, &mut e, &once).expect("arcs relax");
+        let run = |mut e| relax_arcs(&Compute::Cpu, meshes, &mut e, &once).expect("arcs relax");
         b.iter_batched(|| start.clone(), run, BatchSize::LargeInput);
     });
     c.benchmark_group("compose").bench_function(id(), |b| {

@@ -4,6 +4,7 @@ mod common;
 
 use common::run::Pair;
 use common::{check, mesh};
+use homeo::gpu::Compute;
 use homeo::mesh::{ArcId, FaceId, Id, IdVec, LandmarkId};
 use homeo::mesh::{TriMesh, VertexId};
 use homeo::path::base_complex::DirectedArc;
@@ -194,7 +195,7 @@ fn one_or_two_landmarks_are_enough_for_shapes_in_like_poses() {
         let layout = layouts(meshes, &sets, 3, 1).expect("a layout").swap_remove(0);
         assert_eq!(layout.base.landmarks, fewest, "base vertices");
         let (mut embedded, _) = embed(meshes, layout).expect("an embedding");
-        relax_arcs(meshes, &mut embedded, &RelaxOptions::default()).expect("a relaxed map");
+        relax_arcs(&Compute::Cpu, meshes, &mut embedded, &RelaxOptions::default()).expect("a relaxed map");
         assert!(energy(meshes, &embedded) < 1.3, "{n} landmarks: energy {}", energy(meshes, &embedded));
         check::embedding(&embedded, &[source, target]);
     }

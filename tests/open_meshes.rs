@@ -6,7 +6,7 @@ use common::check;
 use common::mesh::{grid, mesh, vertices};
 use glam::DVec3;
 use homeo::ErrorKind;
-use homeo::gpu::{Device, DeviceChoice};
+use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::map::surface_map::SurfaceMap;
 use homeo::mesh::io::{MeshFile, write_obj};
 use homeo::mesh::{HalfedgeId, Id, SurfacePoint, TriMesh, VertexId};
@@ -30,7 +30,7 @@ fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     check::layout(&layout, &meshes);
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
     let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, ..RelaxOptions::default() };
-    relax_arcs(both, &mut embedding, &short).expect("a relaxed map");
+    relax_arcs(&Compute::Cpu, both, &mut embedding, &short).expect("a relaxed map");
     polish_samples(both, &mut embedding, 0.05).expect("a polished map");
     check::embedding(&embedding, &meshes);
     let composed = compose(both, embedding).expect("a map");
@@ -285,6 +285,6 @@ fn a_layout_of_one_patch_promises_nothing_and_is_mapped() {
     let layout = layouts(both, &[set], 3, 1).expect("a layout").remove(0);
     assert_eq!(layout.base.patches.len(), 1);
     let (embedding, _) = embed(both, layout).expect("an embedding");
-    assert_eq!(promise(both, &embedding), f64::INFINITY);
+    assert_eq!(promise(&Compute::Cpu, both, &embedding).expect("the CPU is there"), f64::INFINITY);
     map(meshes, landmarks);
 }

@@ -4,6 +4,7 @@ mod common;
 
 use common::check;
 use common::run::Pair;
+use homeo::gpu::Compute;
 use homeo::map::embedding::Embedding;
 use homeo::mesh::{Id, VertexId};
 use homeo::shape::{Quadruped, quadruped};
@@ -28,7 +29,7 @@ fn the_energy_falls_from_round_to_round_and_arcs_leave_little_behind() {
     let both = [&pair.meshes[0], &pair.meshes[1]];
     let mut embedding = pair.embed().expect("an embedding");
     let all = RelaxOptions { tolerance: 0.0, ..RelaxOptions::default() };
-    let energies = relax_arcs(both, &mut embedding, &all).expect("a relaxed map");
+    let energies = relax_arcs(&Compute::Cpu, both, &mut embedding, &all).expect("a relaxed map");
     assert!(energies.len() > all.coarse_rounds, "{energies:?}");
     assert!(energies.windows(2).all(|w| w[1] <= w[0] * (1.0 + 1e-12)), "{energies:?}");
     assert!(energies[energies.len() - 1] < 1.0 + 0.5 * (energies[0] - 1.0), "{energies:?}");
@@ -45,7 +46,7 @@ fn polishing_lowers_the_energy_of_the_compatible_meshes_and_keeps_the_map() {
     let both = [&pair.meshes[0], &pair.meshes[1]];
     let mut embedding = pair.embed().expect("an embedding");
     let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, ..RelaxOptions::default() };
-    relax_arcs(both, &mut embedding, &short).expect("a relaxed map");
+    relax_arcs(&Compute::Cpu, both, &mut embedding, &short).expect("a relaxed map");
     let polish = polish_samples(both, &mut embedding, 0.05).expect("a polished map");
     let [first, last] = [polish.energies[0], polish.energies[polish.energies.len() - 1]];
     assert!(last - 1.0 < 0.8 * (first - 1.0), "{:?}", polish.energies);
@@ -60,7 +61,7 @@ fn the_tolerance_says_when_to_stop() {
     let start = pair.embed().expect("an embedding");
     let run = |tolerance: f64| {
         let options = RelaxOptions { tolerance, fine_rounds: 0, ..RelaxOptions::default() };
-        relax_arcs(both, &mut start.clone(), &options).expect("a relaxed map")
+        relax_arcs(&Compute::Cpu, both, &mut start.clone(), &options).expect("a relaxed map")
     };
     let [loose, tight] = [0.9, 0.0].map(run);
     assert!(loose.len() < tight.len(), "{loose:?} {tight:?}");

@@ -4,8 +4,9 @@ use std::mem::offset_of;
 
 use homeo::gpu::{Kernel, Span};
 use homeo::kernel::relax::RelaxParams;
+use homeo::kernel::sweep::SweepParams;
 use homeo::kernel::vertex_stretch::VertexStretchParams;
-use homeo::kernel::{ALL, Query, Stretch, relax, resample, stretch, vertex_stretch};
+use homeo::kernel::{ALL, Query, Sight, Stretch, relax, resample, stretch, sweep, vertex_stretch};
 
 fn parse(kernel: &Kernel) -> naga::Module {
     naga::front::wgsl::parse_str(&kernel.module()).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&kernel.module())))
@@ -37,6 +38,8 @@ fn structs_have_the_same_layout() {
     }
     assert_layout!(relax::KERNEL, RelaxParams { first, count, step, unused });
     assert_layout!(vertex_stretch::KERNEL, VertexStretchParams { first, count, power, unused });
+    assert_layout!(sweep::KERNEL, SweepParams { first, count });
+    assert_layout!(sweep::KERNEL, Sight { rest, sum, inverse });
     assert_layout!(resample::KERNEL, Query { i0, i1, i2, w0, w1, w2 });
 }
 
@@ -64,4 +67,7 @@ fn constants_have_the_same_value() {
     assert_eq!(constant(&relax::KERNEL, "MIN_SHARE"), f64::from(relax::MIN_SHARE));
     assert_eq!(constant(&relax::KERNEL, "AREA_ERROR"), f64::from(relax::AREA_ERROR));
     assert_eq!(constant(&relax::KERNEL, "AREA_UNDERFLOW"), f64::from(relax::AREA_UNDERFLOW));
+    assert_eq!(constant(&sweep::KERNEL, "SAFE_SHARE"), f64::from(sweep::SAFE_SHARE));
+    assert_eq!(constant(&sweep::KERNEL, "TRIES"), f64::from(sweep::TRIES));
+    assert_eq!(constant(&sweep::KERNEL, "FOLDED"), f64::from(sweep::FOLDED));
 }

@@ -7,7 +7,7 @@
 //!
 //! Points are four lanes of f32 here (`x, y, z` and one unused), in the plane with `z = 0`: one format for all kernels,
 //! and the one that storage buffers align without holes. [`relax_session`] joins three kernels into the relaxation of
-//! many patches at once.
+//! many patches at once; [`sweep_batch`] runs the relaxation of the composed map over many domains at once.
 
 mod normalise;
 pub mod relax;
@@ -15,6 +15,8 @@ pub mod relax_session;
 pub mod resample;
 pub mod rings;
 pub mod stretch;
+pub mod sweep;
+pub mod sweep_batch;
 pub mod vertex_stretch;
 
 use crate::error::{Error, Result};
@@ -24,12 +26,15 @@ pub use relax_session::{RelaxInput, RelaxOptions, RelaxResult, RelaxSession};
 pub use resample::{Query, resample};
 pub use rings::{Lists, Rings};
 pub use stretch::{Stretch, energy, stretch};
+pub use sweep::Sight;
+pub use sweep_batch::{Piece, sweep_all};
 
 /// A point in four lanes: `x, y, z` and one unused; in the plane `z = 0`.
 pub type Lanes = [f32; 4];
 
 /// All kernels, for tests that hold for each of them.
-pub const ALL: &[&Kernel] = &[&stretch::KERNEL, &vertex_stretch::KERNEL, &relax::KERNEL, &resample::KERNEL];
+pub const ALL: &[&Kernel] =
+    &[&stretch::KERNEL, &vertex_stretch::KERNEL, &relax::KERNEL, &resample::KERNEL, &sweep::KERNEL];
 
 /// Elements a thread takes at least; smaller pieces cost more to hand out than to compute.
 const GRAIN: usize = 1024;

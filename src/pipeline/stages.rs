@@ -60,7 +60,7 @@ fn checked_to_composed<'scope, 'env>(
         .then(Stage::Trace, steps::trace)
         .then(Stage::Embed, steps::embed)
         .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
-        .then(Stage::Relax, |pair, step| steps::relax(pair, options.relax, options.tolerance, step))
+        .then(Stage::Relax, |pair, step| steps::relax(pair, compute, options.relax, options.tolerance, step))
         .then(Stage::Compose, steps::compose)
 }
 

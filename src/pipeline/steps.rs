@@ -133,12 +133,18 @@ pub fn stretch(pair: Pair<Vec<Embedded>>, compute: &Compute, step: &Step) -> Res
     })
 }
 
-pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, tolerance: f64, step: &Step) -> Result<Pair<Embedded>> {
+pub fn relax(
+    pair: Pair<Vec<Embedded>>,
+    compute: &Compute,
+    how: Relaxation,
+    tolerance: f64,
+    step: &Step,
+) -> Result<Pair<Embedded>> {
     pair.then(|checked, mut candidates| {
         let meshes = checked.meshes();
         let promises: Vec<f64> = match candidates.len() {
             1 => vec![0.0],
-            _ => candidates.iter().map(|e| promise(meshes, &e.embedding)).collect(),
+            _ => candidates.iter().map(|e| promise(compute, meshes, &e.embedding)).collect::<Result<_>>()?,
         };
         let least = promises.iter().copied().fold(f64::INFINITY, f64::min);
         let best = promises.iter().position(|&p| p <= least + SAME_PROMISE);
@@ -148,7 +154,7 @@ pub fn relax(pair: Pair<Vec<Embedded>>, how: Relaxation, tolerance: f64, step: &
         embedded.relaxation.energies = match how {
             Relaxation::None => vec![energy(meshes, &embedded.embedding)],
             Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &options),
-            Relaxation::Full => relax_arcs(meshes, &mut embedded.embedding, &options)?,
+            Relaxation::Full => relax_arcs(compute, meshes, &mut embedded.embedding, &options)?,
         };
         if how == Relaxation::Full {
             let polish = stage::polish::polish_samples(meshes, &mut embedded.embedding, tolerance)?;

@@ -3,6 +3,7 @@
 pub mod convex;
 pub mod divide;
 pub mod domain;
+pub mod exact_sweep;
 #[cfg(test)]
 mod grid;
 pub mod ground;
@@ -19,7 +20,6 @@ pub mod samples;
 pub mod smooth;
 pub mod straighten;
 pub mod stretch;
-pub mod sweep;
 pub mod thin;
 pub mod tiling;
 pub mod visible;

@@ -108,6 +108,32 @@ impl<'a> Smoother<'a> {
         smoother
     }
 
+    /// The moving mesh.
+    pub fn moving(&self) -> &Domain {
+        self.moving
+    }
+
+    /// A triangle at rest and the metrics it saw, none if it has no say.
+    pub fn seen(&self, t: usize) -> (&Rest, Metrics) {
+        (&self.rest[t], self.model[t].as_ref().map_or(Metrics::NONE, |(seen, _)| seen.metrics))
+    }
+
+    /// Moves all vertices; where that would turn a triangle over, as moves made in less precision may, its corners stay
+    /// where they were last looked at.
+    pub fn adopt(&mut self, positions: Vec<DVec2>) {
+        self.moving.positions = positions;
+        loop {
+            let folded = |&t: &usize| metric::signed_area(self.moving.triangle(t)) <= 0.0;
+            let back: Vec<usize> = (0..self.rest.len()).filter(folded).collect();
+            let corners = back.iter().flat_map(|&t| self.moving.triangles[t]).map(|v| v as usize);
+            let moved: Vec<usize> = corners.filter(|&v| self.moving.positions[v] != self.start[v]).collect();
+            if moved.is_empty() {
+                return;
+            }
+            moved.into_iter().for_each(|v| self.moving.positions[v] = self.start[v]);
+        }
+    }
+
     /// Makes the model of one triangle anew where its corners are now.
     pub(super) fn look_at(&mut self, t: usize) {
         let corners = self.moving.triangle(t);
@@ -242,9 +268,9 @@ fn middle([a, b, c]: [DVec2; 3]) -> DVec2 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::exact_sweep::sweep_exactly;
     use super::super::grid::{grid, swirl};
     use super::super::newton::newton;
-    use super::super::sweep::sweep_exactly;
     use super::*;
 
     #[test]

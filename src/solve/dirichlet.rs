@@ -75,6 +75,11 @@ impl Rest {
         Rest { inverse: DMat2::from_cols(b - a, c - a).inverse() }
     }
 
+    /// Maps the triangle's two edges at its first corner to the unit vectors.
+    pub fn inverse(&self) -> DMat2 {
+        self.inverse
+    }
+
     /// Energy with the corners at the given places; infinite unless they turn left.
     pub fn energy(&self, metrics: &Metrics, [p, b, c]: [DVec2; 3]) -> f64 {
         let m = DMat2::from_cols(b - p, c - p) * self.inverse;

@@ -10,6 +10,7 @@ pub mod embed;
 pub mod exr;
 pub mod joint;
 pub mod layout;
+mod levels;
 pub mod load;
 pub mod order;
 pub mod polish;

@@ -17,6 +17,7 @@ use crate::plane::straighten::straighten;
 use crate::plane::tiling::Tiling;
 use crate::solve::dirichlet::{Metrics, Rest};
 use glam::DVec3;
+use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
 
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
@@ -54,8 +55,8 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }
         for (g, group) in groups.iter().enumerate() {
-            let visit = |tiling: &Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
-            let results = visits.group(g, group, visit);
+            let one = |tiling: &&Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
+            let results = visits.group(g, group, |due| Ok(due.par_iter().map(one).collect()))?;
             let mut relaxed = Vec::with_capacity(results.len());
             for result in results {
                 relaxed.push(result.map(|visited| {

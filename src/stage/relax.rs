@@ -7,18 +7,19 @@
 //! This is a Schwarz iteration over overlapping domains, parallel over domains that share no patch. Invariant: every patch
 //! stays embedded; a domain whose energy does not fall, or whose arcs cannot be read, is left as it was.
 
+use super::levels::{Climb, climb};
 use super::visits::Visits;
 use crate::error::Result;
+use crate::gpu::Compute;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
 use crate::mesh::{Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
 use crate::plane::convex::is_embedded;
 use crate::plane::domain::Domain;
-use crate::plane::hierarchy::Hierarchy;
+use crate::plane::exact_sweep::sweep_exactly;
 use crate::plane::newton::newton;
 use crate::plane::smooth::{self, Smoother};
 use crate::plane::straighten::straighten;
-use crate::plane::sweep::{sweep, sweep_exactly};
 use crate::plane::thin::{Origins, thin_out};
 use crate::plane::tiling::Tiling;
 use glam::DVec3;
@@ -30,30 +31,8 @@ const SNAPS: [f64; 3] = [0.2, 0.05, LEAST_SNAP];
 /// Vertices that lie on the way but for rounding, and slivers not worth making.
 pub(super) const LEAST_SNAP: f64 = 1e-3;
 
-/// Vertices that may move at the coarsest level of a domain: fewer miss what limbs and ears look like, more cost time.
-const COARSEST: usize = 50;
-/// Most exchanges of the meshes' roles at the coarsest level, which does most of the work for next to no time.
-const COARSEST_EXCHANGES: usize = 12;
 /// Vertices that may move at the level at which layouts are told apart.
 const SKETCH: usize = 150;
-/// Exchanges at the levels between.
-const EXCHANGES: usize = 2;
-/// Exchanges with all vertices; polishing does the rest better.
-const FINEST_EXCHANGES: usize = 1;
-/// A level is done when an exchange lowers its energy by less than this share.
-const SETTLED: f64 = 0.02;
-/// Newton steps are made while no more vertices than this can move: they carry errors far, which is done by then, and what
-/// triangles see at their middles is too rough for them.
-const NEWTON_UP_TO: usize = 300;
-/// A domain with more than this many times the energy of an isometry is crushed somewhere.
-const CRUSHED: f64 = 3.0;
-/// There Newton steps are made up to so many vertices: single moves unfold too little.
-const NEWTON_WHERE_CRUSHED: usize = 1500;
-/// From level to level the vertices grow by this factor at least: with more, vertices come back too crowded to sort out.
-const GROWTH: usize = 2;
-/// Sweeps of single moves in one exchange.
-const SWEEPS: usize = 2;
-
 /// Descents by the gradient of the energy itself in one visit of a domain: what is seen at the middles of triangles misses
 /// some that nearly collapse, and these must have opened before the visit can be judged.
 const DESCENTS: usize = 2;
@@ -117,8 +96,13 @@ enum Visit {
     FollowGradient,
 }
 
-/// Relaxes across all arcs; returns the energy before and after every round.
-pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &RelaxOptions) -> Result<Vec<f64>> {
+/// Relaxes across all arcs; returns the energy before and after every round. Fails on a device error.
+pub fn relax_arcs(
+    compute: &Compute,
+    meshes: [&TriMesh; 2],
+    embedding: &mut Embedding,
+    options: &RelaxOptions,
+) -> Result<Vec<f64>> {
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
     let mut history = vec![energy(meshes, embedding)];
@@ -131,8 +115,8 @@ pub fn relax_arcs(meshes: [&TriMesh; 2], embedding: &mut Embedding, options: &Re
                 break;
             }
             for (g, group) in groups.iter().enumerate() {
-                let visit = |tiling: &Tiling| relax_domain(meshes, embedding, tiling, scale, how);
-                let relaxed = visits.group(g, group, visit);
+                let visit = |due: &[&Tiling]| relax_domains(compute, meshes, embedding, due, scale, how);
+                let relaxed = visits.group(g, group, visit)?;
                 recut_all(meshes, embedding, group, &relaxed)?;
             }
             if settled(&mut history, energy(meshes, embedding), options.tolerance) {
@@ -187,21 +171,40 @@ pub(super) fn thin_domains(meshes: [&TriMesh; 2], embedding: &Embedding, whole: 
     [thin(0, source), thin(1, target)]
 }
 
-/// Relaxes a domain; also returns by which share of what there was to gain its energy fell.
-fn relax_domain(
+/// Relaxes domains that share no patch; also returns by which share of what there was to gain the energy of each fell.
+fn relax_domains(
+    compute: &Compute,
     meshes: [&TriMesh; 2],
     embedding: &Embedding,
-    tiling: &Tiling,
+    due: &[&Tiling],
     scale: [f64; 2],
     how: Visit,
+) -> Result<Vec<Option<([Relaxed; 2], f64)>>> {
+    let start = |tiling: &&Tiling| {
+        let whole = domains(embedding, tiling, scale);
+        let isometry = 0.5 * (whole[0].area() + whole[1].area());
+        let energy = smooth::energy(&whole[0], &whole[1]);
+        (energy, isometry, thin_domains(meshes, embedding, whole))
+    };
+    let starts: Vec<(f64, f64, [Domain; 2])> = due.par_iter().map(start).collect();
+    let (before, thin): (Vec<[f64; 2]>, Vec<[Domain; 2]>) = starts.into_iter().map(|(e, i, d)| ([e, i], d)).unzip();
+    let moved: Vec<Option<[Domain; 2]>> = match how {
+        Visit::FromCoarseToFine => {
+            climb(compute, thin, usize::MAX)?.into_iter().map(|climb| climb.map(|c| c.whole)).collect()
+        }
+        Visit::FollowGradient => thin.into_iter().map(Some).collect(),
+    };
+    let visits = due.par_iter().zip(before).zip(moved);
+    Ok(visits.map(|((tiling, before), domains)| relax_exactly(tiling, before, domains?)).collect())
+}
+
+/// Relaxes a domain by the gradient of its energy and reads off the arcs; none where it does not fall below what it was
+/// before.
+fn relax_exactly(
+    tiling: &Tiling,
+    [before, isometry]: [f64; 2],
+    mut domains: [Domain; 2],
 ) -> Option<([Relaxed; 2], f64)> {
-    let whole = domains(embedding, tiling, scale);
-    let isometry = 0.5 * (whole[0].area() + whole[1].area());
-    let before = smooth::energy(&whole[0], &whole[1]);
-    let mut domains = thin_domains(meshes, embedding, whole);
-    if let Visit::FromCoarseToFine = how {
-        from_coarse_to_fine(&mut domains, usize::MAX)?;
-    }
     for _ in 0..DESCENTS {
         follow_gradient(&mut domains);
     }
@@ -216,70 +219,20 @@ fn relax_domain(
 }
 
 /// Mean logarithm of the energy per area that the map will come to, told by relaxing every domain coarsely; for telling
-/// layouts apart. Infinite where no domain tells anything.
-pub fn promise(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
+/// layouts apart. Infinite where no domain tells anything. Fails on a device error.
+pub fn promise(compute: &Compute, meshes: [&TriMesh; 2], embedding: &Embedding) -> Result<f64> {
     let scale = unit_scale(meshes);
     let tilings: Vec<Tiling> = independent_domains(embedding).into_iter().flatten().collect();
-    let one = |tiling: &Tiling| {
-        let mut whole = domains(embedding, tiling, scale);
+    let whole: Vec<[Domain; 2]> = tilings.par_iter().map(|tiling| domains(embedding, tiling, scale)).collect();
+    let sketched = climb(compute, whole, SKETCH)?;
+    let one = |climb: &Option<Climb>| {
+        let Climb { whole, level: [source, target], .. } = climb.as_ref()?;
         let area = whole.each_ref().map(Domain::area).iter().sum::<f64>() * 0.5;
-        let [source, target] = from_coarse_to_fine(&mut whole, SKETCH)?;
-        Some(((smooth::energy(&source, &target) / area).ln() * area, area))
+        Some(((smooth::energy(source, target) / area).ln() * area, area))
     };
-    let parts: Vec<Option<(f64, f64)>> = tilings.par_iter().map(one).collect();
+    let parts: Vec<Option<(f64, f64)>> = sketched.par_iter().map(one).collect();
     let (energy, area) = parts.iter().flatten().fold((0.0, 0.0), |(e, a), (energy, area)| (e + energy, a + area));
-    if area > 0.0 { energy / area } else { f64::INFINITY }
-}
-
-/// Relaxes both meshes' parts of a domain level by level, until more than `enough` vertices can move; returns the last
-/// level. None if a vertex finds no way back.
-fn from_coarse_to_fine(domains: &mut [Domain; 2], enough: usize) -> Option<[Domain; 2]> {
-    let mut levels = domains.each_ref().map(|domain| Hierarchy::new(domain, COARSEST));
-    let mut exchanges = COARSEST_EXCHANGES;
-    loop {
-        let [(mut source, of_source), (mut target, of_target)] = [0, 1].map(|k| levels[k].domain(&domains[k]));
-        let is_finest = levels.iter().all(Hierarchy::is_finest);
-        exchange([&mut source, &mut target], if is_finest { FINEST_EXCHANGES } else { exchanges });
-        for (k, (level, of_level)) in [(&source, of_source), (&target, of_target)].into_iter().enumerate() {
-            of_level.iter().zip(&level.positions).for_each(|(&v, &p)| domains[k].positions[v as usize] = p);
-        }
-        if is_finest || levels.iter().any(|level| level.free() > enough) {
-            return Some([source, target]);
-        }
-        for (level, domain) in levels.iter_mut().zip(domains.iter_mut()) {
-            let enough = GROWTH * level.free();
-            while !level.is_finest() && level.free() < enough {
-                level.refine(domain)?;
-            }
-        }
-        exchanges = EXCHANGES;
-    }
-}
-
-/// Moves the vertices of either mesh over the other in turn, at most so often.
-fn exchange([source, target]: [&mut Domain; 2], most: usize) {
-    let mut last = f64::INFINITY;
-    for _ in 0..most {
-        sweep_over(source, target);
-        let now = sweep_over(target, source);
-        if now > last * (1.0 - SETTLED) {
-            break;
-        }
-        last = now;
-    }
-}
-
-/// Moves one mesh's vertices over the other, seen at the middles of triangles; returns the energy as it is seen there.
-fn sweep_over(moving: &mut Domain, fixed: &Domain) -> f64 {
-    let free = moving.free.iter().filter(|free| **free).count();
-    let mut smoother = Smoother::sampled(moving, fixed);
-    (0..SWEEPS).for_each(|k| sweep(&mut smoother, k % 2 == 1));
-    let is_crushed = smoother.energy() > CRUSHED * smoother.area();
-    if free <= if is_crushed { NEWTON_WHERE_CRUSHED } else { NEWTON_UP_TO } {
-        newton(&mut smoother);
-    }
-    smoother.settle();
-    smoother.energy()
+    Ok(if area > 0.0 { energy / area } else { f64::INFINITY })
 }
 
 /// Moves either mesh's vertices over the other by the gradient of the energy; returns the energy before, None if it did

@@ -1,8 +1,8 @@
 //! Which domains need another visit: not those that had little to gain and whose patches have not changed since.
 
+use crate::error::Result;
 use crate::mesh::{IdVec, PatchId};
 use crate::plane::tiling::Tiling;
-use rayon::prelude::*;
 
 /// What happened to the domains so far.
 pub(super) struct Visits {
@@ -21,24 +21,24 @@ impl Visits {
         Visits { changes: IdVec::filled(0, patches), settled, little }
     }
 
-    /// Visits the domains of a group that are not settled, side by side; a visit returns its result and what it gained.
-    pub fn group<T: Send>(
+    /// Visits the domains of a group that are not settled, all at once; a visit returns for each its result and what it
+    /// gained.
+    pub fn group<T>(
         &mut self,
         group: usize,
         tilings: &[Tiling],
-        visit: impl Fn(&Tiling) -> Option<(T, f64)> + Sync,
-    ) -> Vec<Option<T>> {
-        let settled = &self.settled[group];
-        let is_settled = |i: usize| settled[i].as_ref().is_some_and(|then| *then == self.of(&tilings[i]));
-        let one = |i: usize| if is_settled(i) { None } else { visit(&tilings[i]) };
-        let results: Vec<Option<(T, f64)>> = (0..tilings.len()).into_par_iter().map(one).collect();
-        let mut kept = Vec::with_capacity(results.len());
-        for (i, result) in results.into_iter().enumerate() {
-            let (result, gain) = result.map_or((None, 0.0), |(result, gain)| (Some(result), gain));
+        visit: impl FnOnce(&[&Tiling]) -> Result<Vec<Option<(T, f64)>>>,
+    ) -> Result<Vec<Option<T>>> {
+        let is_due = |i: &usize| self.settled[group][*i].as_ref().is_none_or(|then| *then != self.of(&tilings[*i]));
+        let due: Vec<usize> = (0..tilings.len()).filter(is_due).collect();
+        let results = visit(&due.iter().map(|&i| &tilings[i]).collect::<Vec<_>>())?;
+        let mut kept: Vec<Option<T>> = tilings.iter().map(|_| None).collect();
+        for (i, result) in due.into_iter().zip(results) {
+            let gain = result.as_ref().map_or(0.0, |(_, gain)| *gain);
             self.note(group, i, &tilings[i], gain);
-            kept.push(result);
+            kept[i] = result.map(|(result, _)| result);
         }
-        kept
+        Ok(kept)
     }
 
     fn note(&mut self, group: usize, i: usize, tiling: &Tiling, gain: f64) {

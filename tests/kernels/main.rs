@@ -4,4 +4,5 @@ mod device;
 mod elementwise;
 mod relax;
 mod support;
+mod sweep;
 mod validity;

@@ -1,4 +1,4 @@
-//! Vertices moved one at a time.
+//! Vertices of distorted triangles moved one at a time, by the energy itself.
 //!
 //! A Newton step for a whole domain is cut back by its worst triangle. Here every vertex makes a Newton step of its own,
 //! and only its ring of triangles can cut it back.
@@ -14,19 +14,7 @@ const SAFE_SHARE: f64 = 0.8;
 /// Halvings of a step before the vertex stays.
 const HALVINGS: usize = 4;
 
-/// Moves every free vertex once, in order or in reverse order, so that the model of the energy falls.
-pub fn sweep(smoother: &mut Smoother, backwards: bool) {
-    let fans = smoother.moving.fans();
-    let count = smoother.moving.vertices.len();
-    let order = |i: usize| if backwards { count - 1 - i } else { i };
-    for v in (0..count).map(order) {
-        if smoother.moving.free[v] {
-            improve(smoother, &fans, v, |smoother| ring_energy(smoother, &fans, v));
-        }
-    }
-}
-
-/// The same for the vertices of distorted triangles alone, each by the energy itself.
+/// Moves the free vertices of distorted triangles once so that the energy falls.
 pub fn sweep_exactly(smoother: &mut Smoother) {
     let fans = smoother.moving.fans();
     let mut distorted = vec![false; smoother.moving.vertices.len()];
@@ -69,10 +57,6 @@ fn improve(smoother: &mut Smoother, fans: &Fans, v: usize, ring_energy: impl Fn(
         share *= 0.5;
     }
     smoother.moving.positions[v] = from;
-}
-
-fn ring_energy(smoother: &Smoother, fans: &Fans, v: usize) -> f64 {
-    fans.around(v).iter().filter_map(|&(t, _)| smoother.model_energy(t as usize)).sum()
 }
 
 /// The share of the step at which the first triangle of the ring collapses.
