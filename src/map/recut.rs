@@ -27,20 +27,16 @@ pub struct Relaxed {
 }
 
 /// Writes the results of domains that share no patch into both meshes, side by side.
-pub fn recut_all(
-    meshes: [&TriMesh; 2],
-    embedding: &mut Embedding,
-    tilings: &[Tiling],
-    relaxed: &[Option<[Relaxed; 2]>],
-) -> Result<()> {
+///
+/// The base complex may have other arcs than the cut meshes where a domain holds all that differs.
+pub fn recut_all(meshes: [&TriMesh; 2], embedding: &mut Embedding, relaxed: &[(&Tiling, &[Relaxed; 2])]) -> Result<()> {
+    if relaxed.is_empty() {
+        return Ok(());
+    }
     let Embedding { base, meshes: embedded, frames } = embedding;
     let recut = |(k, old): (usize, &mut EmbeddedMesh)| {
-        let results = tilings.iter().zip(relaxed);
-        let changed: Vec<(&Tiling, &Relaxed)> =
-            results.filter_map(|(tiling, sides)| Some((tiling, &sides.as_ref()?[k]))).collect();
-        if !changed.is_empty() {
-            *old = Recut::new(meshes[k], old, base, &changed).finish(frames)?;
-        }
+        let changed: Vec<(&Tiling, &Relaxed)> = relaxed.iter().map(|(tiling, sides)| (*tiling, &sides[k])).collect();
+        *old = Recut::new(meshes[k], old, base, &changed).finish(frames)?;
         Ok(())
     };
     let results: Vec<Result<()>> = embedded.par_iter_mut().enumerate().map(recut).collect();
@@ -168,7 +164,12 @@ impl<'a> Recut<'a> {
     fn arcs(&self) -> (IdVec<ArcId, Vec<VertexId>>, IdVec<ArcId, Vec<f64>>) {
         let mut shares = self.old.shares.clone();
         let cut = &self.old.cut;
+        let mut is_moved = IdVec::filled(false, self.base.arcs.len());
+        self.changed.iter().flat_map(|(tiling, _)| &tiling.seams).for_each(|seam| is_moved[seam.arc] = true);
         let way = |(arc, ends): (ArcId, &[LandmarkId; 2])| {
+            if is_moved[arc] {
+                return Vec::new();
+            }
             let first = std::iter::once(cut.landmarks[ends[0]]);
             let path = first.chain(cut.arc_path(arc, ends[0]).into_iter().map(|h| cut.conn.to(h)));
             path.map(|v| self.number[v]).collect()

@@ -154,7 +154,14 @@ pub fn relax(
         embedded.relaxation.energies = match how {
             Relaxation::None => vec![energy(meshes, &embedded.embedding)],
             Relaxation::Patch => relax_patches(meshes, &mut embedded.embedding, &options),
-            Relaxation::Full => relax_arcs(compute, meshes, &mut embedded.embedding, &options)?,
+            Relaxation::Full => {
+                let relaxing = relax_arcs(compute, meshes, &mut embedded.embedding, &options)?;
+                embedded.summary.flips = relaxing.flips;
+                if relaxing.flips > 0 {
+                    step.detail(format!("{} arcs flipped", relaxing.flips));
+                }
+                relaxing.energies
+            }
         };
         if how == Relaxation::Full {
             let polish = stage::polish::polish_samples(meshes, &mut embedded.embedding, tolerance)?;

@@ -8,6 +8,7 @@ pub mod cluster;
 pub mod compose;
 pub mod embed;
 pub mod exr;
+pub mod flip;
 pub mod joint;
 pub mod layout;
 mod levels;

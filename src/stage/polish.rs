@@ -67,7 +67,9 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
                     visited.relaxed
                 }));
             }
-            recut_all(meshes, embedding, group, &relaxed)?;
+            let changed: Vec<_> =
+                group.iter().zip(&relaxed).filter_map(|(t, sides)| Some((t, sides.as_ref()?))).collect();
+            recut_all(meshes, embedding, &changed)?;
         }
         let now = sampled_energy(meshes, &images, scale);
         let is_settled = now - 1.0 > (energies[round] - 1.0) * (1.0 - tolerance);

@@ -7,6 +7,7 @@
 //! This is a Schwarz iteration over overlapping domains, parallel over domains that share no patch. Invariant: every patch
 //! stays embedded; a domain whose energy does not fall, or whose arcs cannot be read, is left as it was.
 
+use super::flip::flip_arcs;
 use super::levels::{Climb, climb};
 use super::visits::Visits;
 use crate::error::Result;
@@ -27,7 +28,7 @@ use rayon::prelude::*;
 
 /// How far from a vertex, as a share of an edge, an arc's new way may miss it and still be led through it; the first that
 /// leaves the energy below what it was.
-const SNAPS: [f64; 3] = [0.2, 0.05, LEAST_SNAP];
+pub(super) const SNAPS: [f64; 3] = [0.2, 0.05, LEAST_SNAP];
 /// Vertices that lie on the way but for rounding, and slivers not worth making.
 pub(super) const LEAST_SNAP: f64 = 1e-3;
 
@@ -54,11 +55,13 @@ pub struct RelaxOptions {
     pub fine_rounds: usize,
     /// Either row of rounds ends when one lowers the energy, less that of an isometry, by less than this share; 0 runs all.
     pub tolerance: f64,
+    /// Whether arcs are flipped after the first round from coarse to fine.
+    pub flips: bool,
 }
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.05 }
+        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.05, flips: true }
     }
 }
 
@@ -96,35 +99,82 @@ enum Visit {
     FollowGradient,
 }
 
-/// Relaxes across all arcs; returns the energy before and after every round. Fails on a device error.
+/// What the relaxation across arcs did.
+#[derive(Clone, Debug)]
+pub struct Relaxing {
+    /// The energy before and after every round.
+    pub energies: Vec<f64>,
+    /// Arcs that were flipped on both meshes at once.
+    pub flips: usize,
+}
+
+/// Relaxes across all arcs, and flips some after the first round. Fails on a device error.
 pub fn relax_arcs(
     compute: &Compute,
     meshes: [&TriMesh; 2],
     embedding: &mut Embedding,
     options: &RelaxOptions,
-) -> Result<Vec<f64>> {
-    let scale = unit_scale(meshes);
-    let groups = independent_domains(embedding);
-    let mut history = vec![energy(meshes, embedding)];
+) -> Result<Relaxing> {
+    let mut groups = independent_domains(embedding);
+    let mut relaxing = Relaxing { energies: vec![energy(meshes, embedding)], flips: 0 };
     for (how, rounds) in
         [(Visit::FromCoarseToFine, options.coarse_rounds), (Visit::FollowGradient, options.fine_rounds)]
     {
         let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         for round in 0..rounds {
-            if round >= ROUNDS_WHERE_LOST && history.last().is_some_and(|&energy| energy > LOST) {
+            if round >= ROUNDS_WHERE_LOST && relaxing.energies.last().is_some_and(|&energy| energy > LOST) {
                 break;
             }
-            for (g, group) in groups.iter().enumerate() {
-                let visit = |due: &[&Tiling]| relax_domains(compute, meshes, embedding, due, scale, how);
-                let relaxed = visits.group(g, group, visit)?;
-                recut_all(meshes, embedding, group, &relaxed)?;
+            visit_all(compute, meshes, embedding, &groups, &mut visits, how)?;
+            let is_settled = settled(&mut relaxing.energies, energy(meshes, embedding), options.tolerance);
+            if matches!(how, Visit::FromCoarseToFine) && round == 0 && options.flips {
+                relaxing.flips = flip_arcs(compute, meshes, embedding)?;
+                if relaxing.flips > 0 {
+                    groups = independent_domains(embedding);
+                    visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
+                    continue;
+                }
             }
-            if settled(&mut history, energy(meshes, embedding), options.tolerance) {
+            if is_settled {
                 break;
             }
         }
     }
-    Ok(history)
+    Ok(relaxing)
+}
+
+/// Relaxes the domains at some base vertices once, from coarse to fine.
+pub(super) fn relax_stars(
+    compute: &Compute,
+    meshes: [&TriMesh; 2],
+    embedding: &mut Embedding,
+    centers: &[LandmarkId],
+) -> Result<()> {
+    let Embedding { base, frames, .. } = &*embedding;
+    let side_of = base.side_of();
+    let stars = centers.iter().filter_map(|&l| Tiling::of_star(base, &side_of, frames, l)).collect();
+    let groups = apart(stars, base.patches.len());
+    let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
+    visit_all(compute, meshes, embedding, &groups, &mut visits, Visit::FromCoarseToFine)
+}
+
+/// Visits all domains that are not settled, group by group.
+fn visit_all(
+    compute: &Compute,
+    meshes: [&TriMesh; 2],
+    embedding: &mut Embedding,
+    groups: &[Vec<Tiling>],
+    visits: &mut Visits,
+    how: Visit,
+) -> Result<()> {
+    let scale = unit_scale(meshes);
+    for (g, group) in groups.iter().enumerate() {
+        let visit = |due: &[&Tiling]| relax_domains(compute, meshes, embedding, due, scale, how);
+        let relaxed = visits.group(g, group, visit)?;
+        let changed: Vec<_> = group.iter().zip(&relaxed).filter_map(|(t, sides)| Some((t, sides.as_ref()?))).collect();
+        recut_all(meshes, embedding, &changed)?;
+    }
+    Ok(())
 }
 
 /// Factors from mesh units to unit area.
@@ -134,6 +184,11 @@ pub(super) fn unit_scale(meshes: [&TriMesh; 2]) -> [f64; 2] {
 
 /// Symmetric Dirichlet energy of the map, the mean of both directions; 1 for an isometry.
 pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
+    patch_energies(meshes, embedding).raw.iter().sum()
+}
+
+/// What every patch contributes to the energy.
+pub(super) fn patch_energies(meshes: [&TriMesh; 2], embedding: &Embedding) -> IdVec<PatchId, f64> {
     let scale = unit_scale(meshes);
     let one = |p: PatchId| {
         let [source, target] = [0, 1].map(|k| patch_domain(embedding, p, k, scale[k]));
@@ -141,7 +196,7 @@ pub fn energy(meshes: [&TriMesh; 2], embedding: &Embedding) -> f64 {
     };
     let patches: Vec<PatchId> = embedding.base.patches.ids().collect();
     let energies: Vec<f64> = patches.into_par_iter().map(one).collect();
-    energies.iter().sum()
+    energies.into_iter().collect()
 }
 
 /// Records the energy; true if the last round brought too little to go on.
@@ -268,11 +323,16 @@ pub(super) fn independent_domains(embedding: &Embedding) -> Vec<Vec<Tiling>> {
     tilings.iter().flat_map(|t| &t.seams).for_each(|seam| held[seam.arc] = true);
     let alone = base.arcs.ids().filter(|&a| !held[a]);
     tilings.extend(alone.filter_map(|a| Tiling::of_arc(base, &side_of, frames, a)));
+    apart(tilings, base.patches.len())
+}
+
+/// Groups of domains that share no patch.
+fn apart(tilings: Vec<Tiling>, patches: usize) -> Vec<Vec<Tiling>> {
     let mut groups: Vec<(IdVec<PatchId, bool>, Vec<Tiling>)> = Vec::new();
     for tiling in tilings {
         let free = |used: &IdVec<PatchId, bool>| tiling.tiles.iter().all(|t| !used[t.patch]);
         let at = groups.iter().position(|(used, _)| free(used)).unwrap_or_else(|| {
-            groups.push((IdVec::filled(false, base.patches.len()), Vec::new()));
+            groups.push((IdVec::filled(false, patches), Vec::new()));
             groups.len() - 1
         });
         tiling.tiles.iter().for_each(|t| groups[at].0[t.patch] = true);
