@@ -128,9 +128,12 @@ pub struct MapArgs {
 
 #[derive(Args, Debug)]
 pub struct MapFlags {
-    /// How arcs are laid out; hypothesis and greedy come with a later version
+    /// How arcs are laid out: voronoi, hypothesis (along guesses from a rough map), or greedy, the baseline, which may fail
     #[arg(long, default_value = "voronoi", value_name = "METHOD")]
     pub layout: LayoutChoice,
+    /// With --layout hypothesis: how often guesses are made, from the second time on from the map so far
+    #[arg(long, default_value = "1", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub cycles: u32,
     /// Refinement of the compatible meshes; active comes with a later version
     #[arg(long, default_value = "none", value_name = "METHOD")]
     pub refine: RefineChoice,

@@ -1,6 +1,6 @@
 //! `homeo map`: the main job on one pair.
 
-use super::args::{Global, MapArgs, MapFlags, RelaxChoice};
+use super::args::{Global, LayoutChoice, MapArgs, MapFlags, RelaxChoice};
 use super::console::Console;
 use super::later;
 use super::progress;
@@ -8,7 +8,7 @@ use super::summary::map_summary;
 use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
 use crate::map::report::Report;
-use crate::pipeline::{MapJob, MapOptions, Relaxation, run_maps};
+use crate::pipeline::{LayoutMethod, MapJob, MapOptions, Relaxation, run_maps};
 use crate::stage::write::check_place;
 use std::process::ExitCode;
 
@@ -37,7 +37,12 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
         RelaxChoice::Patch => Relaxation::Patch,
         RelaxChoice::Full => Relaxation::Full,
     };
-    Ok(MapOptions { relax, tolerance: flags.tolerance, image: flags.image, seed: global.seed })
+    let layout = match flags.layout {
+        LayoutChoice::Voronoi => LayoutMethod::Voronoi,
+        LayoutChoice::Hypothesis => LayoutMethod::Hypothesis { cycles: flags.cycles },
+        LayoutChoice::Greedy => LayoutMethod::Greedy,
+    };
+    Ok(MapOptions { layout, relax, tolerance: flags.tolerance, image: flags.image, seed: global.seed })
 }
 
 /// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.

@@ -57,6 +57,21 @@ impl<'m> FaceTree<'m> {
         nearest_sq.sqrt()
     }
 
+    /// The nearest face within `radius` of `p` of which `test` holds.
+    pub fn nearest_within(&self, p: DVec3, radius: f64, mut test: impl FnMut(FaceId) -> bool) -> Option<FaceId> {
+        let mut nearest = None;
+        let mut take = |f, distance_sq, reach_sq: &mut f64| {
+            if test(f) {
+                nearest = Some(f);
+                *reach_sq = distance_sq;
+            }
+            false
+        };
+        let mut reach_sq = radius * radius;
+        self.visit(self.root(), p, &mut take, &mut reach_sq);
+        nearest
+    }
+
     /// True if `test` holds of a face that comes within `radius` of `p`.
     pub fn any_within(&self, p: DVec3, radius: f64, mut test: impl FnMut(FaceId) -> bool) -> bool {
         let mut reach_sq = radius * radius;

@@ -31,20 +31,27 @@ pub fn flatten([a, b, c]: [DVec3; 3]) -> [DVec2; 3] {
 }
 
 /// Squared distance of a point from a triangle, which may be degenerate.
-pub fn distance_sq(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+pub fn distance_sq(p: DVec3, triangle: [DVec3; 3]) -> f64 {
+    p.distance_squared(closest_point(p, triangle))
+}
+
+/// The point of a triangle, which may be degenerate, nearest to a point.
+pub fn closest_point(p: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     let normal = (b - a).cross(c - a);
     let edges = [(a, b), (b, c), (c, a)];
     let faces_inside = edges.iter().all(|&(q, r)| normal.cross(r - q).dot(p - q) >= 0.0);
     if faces_inside && normal != DVec3::ZERO {
-        return (p - a).dot(normal).powi(2) / normal.length_squared();
+        return p - normal * ((p - a).dot(normal) / normal.length_squared());
     }
-    let to_edge = |(q, r): (DVec3, DVec3)| {
+    let on_edge = |(q, r): (DVec3, DVec3)| {
         let way = r - q;
         let length_sq = way.length_squared();
         let t = if length_sq > 0.0 { ((p - q).dot(way) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
-        p.distance_squared(q + way * t)
+        q + way * t
     };
-    edges.into_iter().map(to_edge).fold(f64::INFINITY, f64::min)
+    let [first, second, third] = edges.map(on_edge);
+    let nearer = |x: DVec3, y: DVec3| if p.distance_squared(y) < p.distance_squared(x) { y } else { x };
+    nearer(nearer(first, second), third)
 }
 
 /// Largest and smallest singular value of the affine map that takes triangle `from` to triangle `to`.

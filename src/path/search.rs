@@ -37,7 +37,7 @@ pub struct Path {
     pub nodes: Vec<u32>,
     /// For every step the face it crosses (or runs beside).
     pub faces: Vec<FaceId>,
-    /// Length in mesh units.
+    /// Length in mesh units, every step weighed as the passage said.
     pub length: f64,
 }
 
@@ -96,6 +96,10 @@ pub trait Passage {
     /// Whether the path may pass through this vertex.
     fn vertex(&self, _v: VertexId) -> bool {
         true
+    }
+    /// How many times its length a step through this face counts, not less than 1.
+    fn weight(&self, _f: FaceId) -> f64 {
+        1.0
     }
 }
 
@@ -282,7 +286,7 @@ impl Searcher {
 
     fn relax(&mut self, query: &Query, tip: &Tip, face: FaceId, node: u32) {
         let at = query.cut.node_position(node);
-        let length = tip.length + tip.at.distance(at);
+        let length = tip.length + tip.at.distance(at) * query.passage.weight(face);
         let state = node + query.copy_at(tip, face, node) * self.nodes;
         let label = &mut self.labels[state as usize];
         if (label.epoch != self.epoch || length < label.length) && length < query.limit {
@@ -309,6 +313,11 @@ impl Searcher {
 }
 
 impl Path {
+    /// Length in mesh units, whatever steps were weighed with.
+    pub fn true_length(&self, cut: &CutMesh) -> f64 {
+        self.nodes.windows(2).map(|w| cut.node_position(w[0]).distance(cut.node_position(w[1]))).sum()
+    }
+
     /// Removes excursions that come back to a face already crossed.
     ///
     /// The straight step inside that face is never longer, so they only occur between paths of equal length.

@@ -60,6 +60,13 @@ impl Explorer {
         }
     }
 
+    /// What lies on one side of an arc that starts at `first`; none where there is no surface.
+    pub fn side_of(&mut self, cut: &CutMesh, arc: ArcId, first: LandmarkId, hand: Hand) -> Option<Side> {
+        let h = *cut.arc_path(arc, first).first()?;
+        let h = if hand == Hand::Left { h } else { cut.conn.twin(h)? };
+        Some(self.left_of(cut, h))
+    }
+
     /// What lies left of a half-edge that carries an arc.
     pub fn left_of(&mut self, cut: &CutMesh, h: HalfedgeId) -> Side {
         let mut flood = self.start(cut, face_of(h));

@@ -20,6 +20,32 @@ pub struct MapJob {
     pub out: PathBuf,
 }
 
+/// How arcs are laid out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LayoutMethod {
+    /// Through the cuts between surface Voronoi cells, carried over in several orders or grown on both meshes (VORONOI).
+    #[default]
+    Voronoi,
+    /// Along path hypotheses from a rough compatible mesh (HYPOTHESIS), so often anew from the map that comes of it.
+    Hypothesis {
+        /// Times that hypotheses are made, the first included.
+        cycles: u32,
+    },
+    /// By the heuristic of Kraevoy and Sheffer; the baseline, which may fail.
+    Greedy,
+}
+
+impl LayoutMethod {
+    /// The name on the command line and in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            LayoutMethod::Voronoi => "voronoi",
+            LayoutMethod::Hypothesis { .. } => "hypothesis",
+            LayoutMethod::Greedy => "greedy",
+        }
+    }
+}
+
 /// How far the distortion is lowered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Relaxation {
@@ -46,6 +72,8 @@ impl Relaxation {
 /// How pairs are mapped; common to the jobs of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MapOptions {
+    /// How arcs are laid out; default: by surface Voronoi cells.
+    pub layout: LayoutMethod,
     /// How far the distortion is lowered; default: across the arcs.
     pub relax: Relaxation,
     /// Rounds of relaxation go on until one lowers the energy, less that of an isometry, by less than this share.
@@ -59,6 +87,12 @@ pub struct MapOptions {
 
 impl Default for MapOptions {
     fn default() -> Self {
-        MapOptions { relax: Relaxation::default(), tolerance: RelaxOptions::default().tolerance, image: 65, seed: 0 }
+        MapOptions {
+            layout: LayoutMethod::default(),
+            relax: Relaxation::default(),
+            tolerance: RelaxOptions::default().tolerance,
+            image: 65,
+            seed: 0,
+        }
     }
 }

@@ -12,6 +12,7 @@
 
 mod images;
 mod job;
+mod lay_out;
 mod line;
 mod observer;
 mod pair;
@@ -19,7 +20,7 @@ mod panics;
 pub mod stages;
 mod steps;
 
-pub use job::{MapJob, MapOptions, Relaxation};
+pub use job::{LayoutMethod, MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};

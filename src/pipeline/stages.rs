@@ -57,8 +57,8 @@ fn checked_to_composed<'scope, 'env>(
     loaded
         .then(Stage::Check, steps::check)
         .then(Stage::Cluster, steps::cluster)
-        .then(Stage::Trace, steps::trace)
-        .then(Stage::Embed, steps::embed)
+        .then(Stage::Trace, |pair, step| steps::trace(pair, compute, options.layout, step))
+        .then(Stage::Embed, |pair, step| steps::embed(pair, options.layout, step))
         .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
         .then(Stage::Relax, |pair, step| steps::relax(pair, compute, options.relax, options.tolerance, step))
         .then(Stage::Compose, steps::compose)

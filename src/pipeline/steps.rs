@@ -1,7 +1,8 @@
 //! What each stage does with a job: fetches its input from the pair, calls the stage, says a word about the result.
 
 use super::images::geometry_images;
-use super::job::{MapJob, Relaxation};
+use super::job::{LayoutMethod, MapJob, Relaxation};
+use super::lay_out::lay_out;
 use super::line::Step;
 use super::pair::Pair;
 use crate::error::{Error, Result};
@@ -17,12 +18,6 @@ use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
 use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_patches};
 use std::path::PathBuf;
-
-/// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
-const EDGE_NODES: u32 = 3;
-
-/// Layouts that are embedded and relaxed coarsely before the best is chosen; more cost time and hardly ever win.
-const CANDIDATES: usize = 3;
 
 /// Layouts whose promises differ by less are equally good, and the one with the shorter arcs is taken.
 const SAME_PROMISE: f64 = 1e-3;
@@ -89,9 +84,14 @@ pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
     })
 }
 
-pub fn trace(pair: Pair<Vec<BaseVertices>>, step: &Step) -> Result<Pair<Vec<Layout>>> {
+pub fn trace(
+    pair: Pair<Vec<BaseVertices>>,
+    compute: &Compute,
+    method: LayoutMethod,
+    step: &Step,
+) -> Result<Pair<Vec<Layout>>> {
     pair.then(|checked, sets| {
-        let layouts = stage::layout::layouts(checked.meshes(), &sets, EDGE_NODES, CANDIDATES)?;
+        let layouts = lay_out(compute, checked, &sets, method)?;
         if let Some(Layout { base, .. }) = layouts.first() {
             step.detail(format!("{} arcs, {} patches", base.arcs.len(), base.patches.len()));
         }
@@ -99,11 +99,11 @@ pub fn trace(pair: Pair<Vec<BaseVertices>>, step: &Step) -> Result<Pair<Vec<Layo
     })
 }
 
-pub fn embed(pair: Pair<Vec<Layout>>, _: &Step) -> Result<Pair<Vec<Embedded>>> {
+pub fn embed(pair: Pair<Vec<Layout>>, method: LayoutMethod, _: &Step) -> Result<Pair<Vec<Embedded>>> {
     pair.then(|checked, layouts| {
         let embed = |layout: Layout| {
             let summary = LayoutSummary {
-                kind: "voronoi",
+                kind: method.name(),
                 arcs: layout.base.arcs.len(),
                 patches: layout.base.patches.len(),
                 postponed: layout.postponed,

@@ -1,6 +1,7 @@
-//! Solvers: colouring, the energy of mapped triangles, matchings.
+//! Solvers: colouring, the energy of mapped triangles, least-squares meshes, matchings, warps.
 
 pub mod coloring;
 pub mod dirichlet;
+pub mod least_squares_mesh;
 pub mod matching;
 pub mod warp;

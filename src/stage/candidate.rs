@@ -15,7 +15,7 @@ use rayon::prelude::*;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Least edge nodes while candidates are laid out: they settle which way arcs go, and re-routing smooths them.
-const SCOUT_NODES: u32 = 1;
+pub(super) const SCOUT_NODES: u32 = 1;
 /// Candidates longer than the shortest by this factor are dropped: no relaxation makes up for it.
 const HOPELESS: f64 = 1.08;
 
@@ -26,6 +26,10 @@ pub enum Way {
     Carried(usize, Order),
     /// Grown on both at once, handles opened where the source (0) or target (1) has them shortest.
     Joint(usize),
+    /// Along path hypotheses.
+    Guided,
+    /// By the greedy heuristic.
+    Greedy,
 }
 
 /// The same arcs on both meshes.
@@ -91,9 +95,9 @@ impl Scouting<'_> {
     }
 
     fn candidate(&self, base: BaseComplex, cuts: [CutMesh; 2], way: Way, postponed: usize) -> Candidate {
-        let size = size(&base, &cuts, self.units);
-        self.best.fetch_min(size.to_bits(), Ordering::Relaxed);
-        Candidate { base, cuts, way, postponed, size }
+        let candidate = Candidate::new(self.meshes, base, cuts, way, postponed);
+        self.best.fetch_min(candidate.size.to_bits(), Ordering::Relaxed);
+        candidate
     }
 
     /// Traces mesh `from` and carries its arcs to the other one, in every order; None for an order that is hopeless.
@@ -159,6 +163,12 @@ fn size(base: &BaseComplex, cuts: &[CutMesh; 2], units: [f64; 2]) -> f64 {
 }
 
 impl Candidate {
+    /// A layout and its size.
+    pub fn new(meshes: [&TriMesh; 2], base: BaseComplex, cuts: [CutMesh; 2], way: Way, postponed: usize) -> Self {
+        let size = size(&base, &cuts, meshes.map(|m| m.area().sqrt()));
+        Candidate { base, cuts, way, postponed, size }
+    }
+
     /// The same with the first `lasting` base vertices, and others only where the layout cannot do without.
     pub fn keep(mut self, meshes: [&TriMesh; 2], lasting: usize) -> Result<Self> {
         if lasting < self.base.landmarks {

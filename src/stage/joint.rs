@@ -6,18 +6,17 @@
 //! gets the diagonals of least total length. Shortest paths between corners of a disc cross only if their ends are
 //! interleaved, so lengths can be measured before any diagonal is laid.
 
+use super::growth::{Growth, Half, corners_of, too_few};
 use super::polygon::{Polygon, triangulate};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, FaceId, Id, IdVec, LandmarkId, TriMesh, VertexId, face_of};
+use crate::mesh::{Id, LandmarkId, TriMesh, VertexId};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cluster::Clusters;
 use crate::path::corner_distance::corner_distances;
-use crate::path::cut_mesh::{CutMesh, Place};
-use crate::path::handle::lay_across_handle;
-use crate::path::network::{Corner, connect, embed, rotation, sectors, terminal};
-use crate::path::rebuild::Upkeep;
+use crate::path::cut_mesh::CutMesh;
+use crate::path::network::{Corner, connect};
 use crate::path::region::Regions;
-use crate::path::search::{Anywhere, Path, Searcher, Terminal};
+use crate::path::search::{Anywhere, Searcher, Terminal};
 use crate::path::subcomplex::Subcomplex;
 use rayon::prelude::*;
 
@@ -29,15 +28,6 @@ pub struct Grown {
     pub cuts: [CutMesh; 2],
 }
 
-/// One mesh and its share of the layout.
-struct Half<'a> {
-    mesh: &'a TriMesh,
-    unit: f64,
-    cut: CutMesh,
-    searcher: Searcher,
-    upkeep: Upkeep,
-}
-
 /// Grows a layout; handles are opened where mesh `lead` has them shortest.
 pub fn grow(
     meshes: [&TriMesh; 2],
@@ -46,26 +36,12 @@ pub fn grow(
     edge_nodes: u32,
     lead: usize,
 ) -> Result<Grown> {
-    let half = |k: usize| Half {
-        mesh: meshes[k],
-        unit: meshes[k].area().sqrt(),
-        cut: CutMesh::new(meshes[k], landmarks[k], edge_nodes),
-        searcher: Searcher::default(),
-        upkeep: Upkeep::default(),
-    };
-    let mut growth = Growth { halves: [half(0), half(1)], arcs: IdVec::default(), edge_nodes, lead };
+    let mut growth = Growth::new(meshes, landmarks, edge_nodes, lead);
     growth.span(clusters)?;
     let walk = growth.open_handles()?;
     let base = growth.triangulate(&walk)?;
     let [source, target] = growth.halves;
     Ok(Grown { base, cuts: [source.cut, target.cut] })
-}
-
-struct Growth<'a> {
-    halves: [Half<'a>; 2],
-    arcs: IdVec<ArcId, [LandmarkId; 2]>,
-    edge_nodes: u32,
-    lead: usize,
 }
 
 impl Growth<'_> {
@@ -110,16 +86,6 @@ impl Growth<'_> {
         self.lay(arc, corners)
     }
 
-    /// Lays an arc between two corners on both meshes.
-    fn lay(&mut self, arc: ArcId, corners: [Corner; 2]) -> Result<()> {
-        for half in &mut self.halves {
-            let path = connect(&mut half.cut, half.mesh, &mut half.searcher, corners)?;
-            embed(&mut half.cut, half.mesh, &path, arc)?;
-            half.upkeep.after_arc(half.mesh, &mut half.cut, &self.arcs, self.edge_nodes);
-        }
-        Ok(())
-    }
-
     /// Opens handles and joins boundary walks until the region is a disc; returns its boundary walk.
     fn open_handles(&mut self) -> Result<Vec<DirectedArc>> {
         loop {
@@ -138,60 +104,6 @@ impl Growth<'_> {
                 _ => return Err(too_few()),
             }
         }
-    }
-
-    /// The corner of a boundary walk where an arc starts.
-    fn corner(&self, d: DirectedArc) -> Corner {
-        Corner { landmark: self.arcs[d.arc][usize::from(d.reversed)], after: Some(d) }
-    }
-
-    /// Opens a handle where that is shortest on the leading mesh, and between the same corners on the other.
-    fn open_handle(&mut self, corners: &[Corner]) -> Result<()> {
-        let arc = ArcId::new(self.arcs.len());
-        let half = &mut self.halves[self.lead];
-        let laid = lay_across_handle(&mut half.cut, half.mesh, &mut half.searcher, [corners, corners], arc)?;
-        self.arcs.push(laid.ends);
-        let lead = &self.halves[self.lead].cut;
-        let [start, end] = [false, true].map(|reversed| {
-            let d = DirectedArc { arc, reversed };
-            let landmark = self.corner(d).landmark;
-            [Corner { landmark, after: arc_before(lead, landmark, d) }]
-        });
-        let other = &mut self.halves[1 - self.lead];
-        lay_across_handle(&mut other.cut, other.mesh, &mut other.searcher, [&start, &end], arc)?;
-        self.turn_alike(arc)?;
-        for half in &mut self.halves {
-            half.upkeep.after_arc(half.mesh, &mut half.cut, &self.arcs, self.edge_nodes);
-        }
-        Ok(())
-    }
-
-    /// Turns a loop around, if need be, so that its ends come in one order on both meshes.
-    fn turn_alike(&mut self, arc: ArcId) -> Result<()> {
-        let [l, end] = self.arcs[arc];
-        for _ in 0..2 {
-            let [mut a, mut b] = [0, 1].map(|k| rotation(&self.halves[k].cut, l, &|_| true));
-            for r in [&mut a, &mut b] {
-                let first = (0..r.len()).min_by_key(|&i| r[i]).unwrap_or(0);
-                r.rotate_left(first);
-            }
-            if a == b || l != end {
-                return Ok(());
-            }
-            self.halves[1 - self.lead].cut.reverse(arc, l);
-        }
-        Err(Error::bug("a loop has its ends in the wrong place").at(arc))
-    }
-
-    /// Joins two boundary walks where that is shortest on the leading mesh.
-    fn join_walks(&mut self, from: &[Corner], to: &[Corner]) -> Result<()> {
-        let half = &mut self.halves[self.lead];
-        let (starts, goals) = (half.terminals(from)?, half.terminals(to)?);
-        let path = half.searcher.shortest_of(&half.cut, &starts, &goals);
-        // Where the nodes leave no way, any two corners will do: the region is refined between them.
-        let ends = path.and_then(|path| corners_of(&half.cut, &path)).unwrap_or([from[0], to[0]]);
-        let arc = self.arcs.push(ends.map(|c| c.landmark));
-        self.lay(arc, ends)
     }
 
     /// Cuts the disc with the given boundary walk into triangles.
@@ -216,28 +128,6 @@ impl Growth<'_> {
     }
 }
 
-fn too_few() -> Error {
-    Error::unsolvable("the landmarks are too few to span a layout").remedy("give at least three")
-}
-
-/// The arc before an end around its landmark, clockwise, other than the end's own.
-fn arc_before(cut: &CutMesh, l: LandmarkId, end: DirectedArc) -> Option<DirectedArc> {
-    let around = rotation(cut, l, &|_| true);
-    let at = around.iter().position(|&d| d == end)?;
-    (1..around.len()).map(|k| around[(at + around.len() - k) % around.len()]).find(|d| d.arc != end.arc)
-}
-
-/// The corners that a path between two landmarks leaves and enters.
-fn corners_of(cut: &CutMesh, path: &Path) -> Option<[Corner; 2]> {
-    let corner = |node: Option<&u32>, f: Option<&FaceId>| {
-        let Place::Vertex(v) = cut.place(*node?) else { return None };
-        let sector = sectors(cut, v, &|_| true).into_iter();
-        let found = sector.into_iter().find(|s| s.halfedges.iter().any(|&h| Some(&face_of(h)) == f));
-        Some(Corner { landmark: cut.landmark_at[v]?, after: found?.after })
-    };
-    Some([corner(path.nodes.first(), path.faces.first())?, corner(path.nodes.last(), path.faces.last())?])
-}
-
 impl Half<'_> {
     /// Distance of two landmarks without regard to arcs, relative to the root of the area.
     fn bare_length(&self, searcher: &mut Searcher, pair: [LandmarkId; 2]) -> f64 {
@@ -249,10 +139,6 @@ impl Half<'_> {
     fn free_corners(&mut self, pair: [LandmarkId; 2]) -> Option<[Corner; 2]> {
         let [start, goal] = pair.map(|l| Terminal::whole(&self.cut, self.cut.landmarks[l]));
         corners_of(&self.cut, &self.searcher.shortest(&self.cut, &start, &goal, &Anywhere)?)
-    }
-
-    fn terminals(&self, corners: &[Corner]) -> Result<Vec<Terminal>> {
-        corners.iter().map(|&c| terminal(&self.cut, c, &|_| true)).collect()
     }
 
     /// Distances between the corners of the region, relative to the root of the area.

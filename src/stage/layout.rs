@@ -4,8 +4,12 @@
 //! ways; of the shortest, every arc is traced again inside the quad that taking it away opens, and both cut meshes are
 //! rebuilt from their straightened arcs.
 
-use super::candidate::{Candidate, Way, candidates};
+use super::candidate::{Candidate, SCOUT_NODES, Way, candidates};
 use super::cluster::BaseVertices;
+use super::greedy::{Greedy, greedy};
+use super::guided::guided;
+use super::hypothesis::Rough;
+use super::joint::Grown;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::path::base_complex::{BaseComplex, DirectedArc};
@@ -59,6 +63,33 @@ pub fn layouts(meshes: [&TriMesh; 2], sets: &[BaseVertices], edge_nodes: u32, ke
     let total = |l: &Layout| l.lengths[0] / units[0] + l.lengths[1] / units[1];
     layouts.sort_by(|a, b| total(a).total_cmp(&total(b)));
     Ok(layouts)
+}
+
+/// Lays out both meshes along the path hypotheses of a rough map (HYPOTHESIS 3).
+pub fn guided_layout(meshes: [&TriMesh; 2], set: &BaseVertices, rough: &Rough, edge_nodes: u32) -> Result<Layout> {
+    let (grown, postponed) = guided(meshes, set, rough, SCOUT_NODES)?;
+    settle(meshes, set, grown, Way::Guided, postponed, edge_nodes)
+}
+
+/// Lays out both meshes by the greedy heuristic, as far as it goes.
+pub fn greedy_layout(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Result<Greedy<Layout>> {
+    Ok(match greedy(meshes, set, edge_nodes)? {
+        Greedy::Complete(grown) => Greedy::Complete(settle(meshes, set, grown, Way::Greedy, 0, edge_nodes)?),
+        Greedy::Stuck(ends) => Greedy::Stuck(ends),
+    })
+}
+
+/// Takes auxiliary base vertices out of a layout and smooths its arcs.
+fn settle(
+    meshes: [&TriMesh; 2],
+    set: &BaseVertices,
+    Grown { base, cuts }: Grown,
+    way: Way,
+    postponed: usize,
+    edge_nodes: u32,
+) -> Result<Layout> {
+    let candidate = Candidate::new(meshes, base, cuts, way, postponed);
+    finish(meshes, candidate.keep(meshes, set.lasting)?, edge_nodes)
 }
 
 /// Re-routes the arcs, rebuilds the cut meshes and checks that both carry the base complex.

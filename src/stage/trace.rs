@@ -148,7 +148,7 @@ impl Tracer<'_> {
     fn split_one_region(&mut self) -> Result<bool> {
         let regions = Regions::find(&self.cut);
         for (r, walks) in regions.walks.iter().enumerate() {
-            let parts = self.parts(walks, &regions.isolated[r]);
+            let parts = parts(&self.arcs, walks, &regions.isolated[r]);
             let (ends, length) = match parts.as_slice() {
                 [walk] if regions.genus[r] > 0 => self.open_handle(walk)?,
                 [walk] if walk.len() == 3 => continue,
@@ -172,15 +172,6 @@ impl Tracer<'_> {
         let (ends, path) = self.shortest_of(candidates)?;
         embed(&mut self.cut, self.mesh, &path, ArcId::new(self.arcs.len()))?;
         Ok((ends.map(|c| c.landmark), path.length))
-    }
-
-    /// The corners of every boundary walk of a region, and its isolated landmarks.
-    fn parts(&self, walks: &[Vec<DirectedArc>], isolated: &[LandmarkId]) -> Vec<Vec<Corner>> {
-        let start = |d: DirectedArc| self.arcs[d.arc][usize::from(d.reversed)];
-        let walk_corners =
-            |w: &Vec<DirectedArc>| w.iter().map(|&d| Corner { landmark: start(d), after: Some(d) }).collect();
-        let alone = isolated.iter().map(|&landmark| vec![Corner { landmark, after: None }]);
-        walks.iter().map(walk_corners).chain(alone).collect()
     }
 
     /// The shortest path among candidate ends; the straight distance tells which need not be searched.
@@ -212,8 +203,21 @@ impl Tracer<'_> {
     }
 }
 
+/// The corners of every boundary walk of a region, and its isolated landmarks.
+pub(super) fn parts(
+    arcs: &IdVec<ArcId, [LandmarkId; 2]>,
+    walks: &[Vec<DirectedArc>],
+    isolated: &[LandmarkId],
+) -> Vec<Vec<Corner>> {
+    let start = |d: DirectedArc| arcs[d.arc][usize::from(d.reversed)];
+    let walk_corners =
+        |w: &Vec<DirectedArc>| w.iter().map(|&d| Corner { landmark: start(d), after: Some(d) }).collect();
+    let alone = isolated.iter().map(|&landmark| vec![Corner { landmark, after: None }]);
+    walks.iter().map(walk_corners).chain(alone).collect()
+}
+
 /// Corners of a disc's walk that a diagonal may join: not neighbours, and at one landmark only where there is no choice.
-fn diagonals(walk: &[Corner]) -> Vec<[Corner; 2]> {
+pub(super) fn diagonals(walk: &[Corner]) -> Vec<[Corner; 2]> {
     let n = walk.len();
     let pairs = (0..n).flat_map(|i| (i + 2..n).map(move |j| (i, j))).filter(|&(i, j)| (j + 1) % n != i);
     let pairs: Vec<[Corner; 2]> = pairs.map(|(i, j)| [walk[i], walk[j]]).collect();
@@ -222,7 +226,7 @@ fn diagonals(walk: &[Corner]) -> Vec<[Corner; 2]> {
 }
 
 /// Corners in different parts of a region.
-fn joins(parts: &[Vec<Corner>]) -> Vec<[Corner; 2]> {
+pub(super) fn joins(parts: &[Vec<Corner>]) -> Vec<[Corner; 2]> {
     let mut pairs = Vec::new();
     for (i, part) in parts.iter().enumerate() {
         for &a in part {

@@ -1,0 +1,83 @@
+//! The layouts of a pair, in the way that was asked for.
+
+use super::job::LayoutMethod;
+use crate::error::{Error, Result};
+use crate::gpu::Compute;
+use crate::mesh::{Id, IdVec, LandmarkId, SurfacePoint, TriMesh};
+use crate::stage::check::Checked;
+use crate::stage::cluster::BaseVertices;
+use crate::stage::compose::compose;
+use crate::stage::embed::embed;
+use crate::stage::greedy::Greedy;
+use crate::stage::hypothesis::{Rough, rough_map};
+use crate::stage::layout::{Layout, greedy_layout, guided_layout, layouts};
+use crate::stage::relax::{RelaxOptions, relax_arcs};
+
+/// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
+const EDGE_NODES: u32 = 3;
+
+/// Layouts that are embedded and relaxed coarsely before the best is chosen; more cost time and hardly ever win.
+const CANDIDATES: usize = 3;
+
+/// Lays out both meshes; the layouts that may become the map, the one with the shortest arcs first.
+pub fn lay_out(
+    compute: &Compute,
+    checked: &Checked,
+    sets: &[BaseVertices],
+    method: LayoutMethod,
+) -> Result<Vec<Layout>> {
+    let meshes = checked.meshes();
+    let set = sets.first().ok_or_else(|| Error::bug("no base vertices"));
+    match method {
+        LayoutMethod::Voronoi => layouts(meshes, sets, EDGE_NODES, CANDIDATES),
+        LayoutMethod::Hypothesis { cycles } => hypothesis(compute, meshes, set?, cycles).map(|layout| vec![layout]),
+        LayoutMethod::Greedy => match greedy_layout(meshes, set?, EDGE_NODES)? {
+            Greedy::Complete(layout) => Ok(vec![layout]),
+            Greedy::Stuck(ends) => Err(stuck(checked, ends)),
+        },
+    }
+}
+
+/// The layout along the hypotheses of the least-squares mesh, then along those of the map it leads to; of all cycles the one
+/// with the shortest arcs.
+fn hypothesis(compute: &Compute, meshes: [&TriMesh; 2], set: &BaseVertices, cycles: u32) -> Result<Layout> {
+    let units = meshes.map(|m| m.area().sqrt());
+    let size = |layout: &Layout| layout.lengths[0] / units[0] + layout.lengths[1] / units[1];
+    let mut rough = rough_map(meshes, set.vertices.each_ref().map(Vec::as_slice))?;
+    let mut best = guided_layout(meshes, set, &rough, EDGE_NODES)?;
+    let mut last = best.clone();
+    for _ in 1..cycles {
+        rough = finished_map(compute, meshes, last, rough)?;
+        last = guided_layout(meshes, set, &rough, EDGE_NODES)?;
+        if size(&last) < size(&best) {
+            best = last.clone();
+        }
+    }
+    Ok(best)
+}
+
+/// Where the map that a layout leads to takes the vertices of the source; what no face uses stays where it was.
+fn finished_map(compute: &Compute, meshes: [&TriMesh; 2], layout: Layout, mut rough: Rough) -> Result<Rough> {
+    let (mut embedding, _) = embed(meshes, layout)?;
+    let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, flips: false, ..RelaxOptions::default() };
+    relax_arcs(compute, meshes, &mut embedding, &short)?;
+    let [map, _] = compose(meshes, embedding)?.maps;
+    let images: &IdVec<_, Option<SurfacePoint>> = &map.images;
+    for (v, image) in images.iter_ids() {
+        if let Some(point) = image {
+            rough[v] = point.position(meshes[1]);
+        }
+    }
+    Ok(rough)
+}
+
+fn stuck(checked: &Checked, ends: [LandmarkId; 2]) -> Error {
+    let name = |l: LandmarkId| match checked.landmark_order.get(l.index()) {
+        Some(&given) => format!("'{}'", checked.landmarks.names[given]),
+        None => "a vertex of its own".to_owned(),
+    };
+    let [from, to] = ends.map(name);
+    Error::unsolvable("the greedy layout is stuck: it places no arc")
+        .at(format!("from {from} to {to}"))
+        .remedy("use --layout voronoi or hypothesis")
+}
