@@ -134,9 +134,18 @@ pub struct MapFlags {
     /// With --layout hypothesis: how often guesses are made, from the second time on from the map so far
     #[arg(long, default_value = "1", value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     pub cycles: u32,
-    /// Refinement of the compatible meshes; active comes with a later version
+    /// Refinement of the compatible meshes: none, or active: vertices are appended where they miss the other surface
     #[arg(long, default_value = "none", value_name = "METHOD")]
     pub refine: RefineChoice,
+    /// With --refine active: errors above the third quartile by this many quartile distances mark features
+    #[arg(long, default_value = "1.5", value_name = "X", value_parser = not_negative)]
+    pub refine_whisker: f64,
+    /// With --refine active: how near a salient vertex's sphere others count as met, as a share of the diagonal
+    #[arg(long, default_value = "1e-4", value_name = "SHARE", value_parser = not_negative)]
+    pub refine_salience: f64,
+    /// With --refine active: most vertices to append, as a share of those there are
+    #[arg(long, default_value = "0.05", value_name = "SHARE", value_parser = not_negative)]
+    pub refine_most: f64,
     /// Relaxation of the map: none, within each patch, or full: across patches, arcs moving with it
     #[arg(long, default_value = "full", value_name = "METHOD")]
     pub relax: RelaxChoice,
@@ -199,6 +208,11 @@ const LARGEST_IMAGE: usize = (1 << 12) + 1;
 fn share(text: &str) -> Result<f64, String> {
     let x: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
     if (0.0..1.0).contains(&x) { Ok(x) } else { Err("use a share from 0 to below 1, such as 0.05".to_owned()) }
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    let x: f64 = text.parse().map_err(|_| "not a number".to_owned())?;
+    if x >= 0.0 && x.is_finite() { Ok(x) } else { Err("use a number that is not negative".to_owned()) }
 }
 
 fn image_size(text: &str) -> Result<usize, String> {

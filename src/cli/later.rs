@@ -1,6 +1,6 @@
 //! Flags and commands that are promised but not built yet are refused, and say so.
 
-use super::args::{Command, MapFlags, RefineChoice};
+use super::args::{Command, MapFlags};
 use crate::error::{Error, Result};
 
 /// Fails for a command that comes later.
@@ -22,7 +22,6 @@ pub fn refuse_command(command: &Command) -> Result<()> {
 /// Fails for a flag of `map` that comes later.
 pub fn refuse_flags(flags: &MapFlags) -> Result<()> {
     let refused = [
-        (flags.refine == RefineChoice::Active, "--refine active", "use --refine none"),
         (flags.layered, "--layered", "leave it out: one EXR per map is written"),
         (flags.texture.is_some(), "--texture", "leave it out"),
     ];

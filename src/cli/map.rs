@@ -1,6 +1,6 @@
 //! `homeo map`: the main job on one pair.
 
-use super::args::{Global, LayoutChoice, MapArgs, MapFlags, RelaxChoice};
+use super::args::{Global, LayoutChoice, MapArgs, MapFlags, RefineChoice, RelaxChoice};
 use super::console::Console;
 use super::later;
 use super::progress;
@@ -9,6 +9,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
 use crate::map::report::Report;
 use crate::pipeline::{LayoutMethod, MapJob, MapOptions, Relaxation, run_maps};
+use crate::stage::refine::RefineOptions;
 use crate::stage::write::check_place;
 use std::process::ExitCode;
 
@@ -42,7 +43,12 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
         LayoutChoice::Hypothesis => LayoutMethod::Hypothesis { cycles: flags.cycles },
         LayoutChoice::Greedy => LayoutMethod::Greedy,
     };
-    Ok(MapOptions { layout, relax, tolerance: flags.tolerance, image: flags.image, seed: global.seed })
+    let refine = (flags.refine == RefineChoice::Active).then_some(RefineOptions {
+        whisker: flags.refine_whisker,
+        salience: flags.refine_salience,
+        most: flags.refine_most,
+    });
+    Ok(MapOptions { layout, relax, tolerance: flags.tolerance, refine, image: flags.image, seed: global.seed })
 }
 
 /// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.

@@ -4,6 +4,7 @@ use super::base_complex::BaseComplex;
 use super::certificate::Certificate;
 use super::distortion::{Distortion, distortion};
 use super::flips::flips_on_target;
+use super::refined::RefinedMesh;
 use super::report::{LayoutSummary, MeshSummary, RelaxationSummary};
 use super::tile_table::TileTable;
 use crate::mesh::io::{Landmarks, MeshFile};
@@ -24,6 +25,8 @@ pub struct Side<'a> {
     pub arcs: &'a IdVec<ArcId, Vec<SurfacePoint>>,
     /// Where each of this mesh's vertices lies on the other mesh; None for vertices that no face uses.
     pub image: &'a IdVec<VertexId, Option<SurfacePoint>>,
+    /// The same mesh with vertices inserted, if that was asked for: then the compatible mesh has its connectivity.
+    pub refined: Option<&'a RefinedMesh>,
 }
 
 /// A finished map.
@@ -72,18 +75,41 @@ impl Side<'_> {
         }
     }
 
+    /// What the compatible mesh is made of: the mesh as it came, or refined.
+    pub fn finest(&self) -> Finest<'_> {
+        match self.refined {
+            None => Finest { file: self.file, mesh: self.mesh, omitted: self.omitted, image: self.image },
+            Some(r) => Finest { file: &r.file, mesh: &r.mesh, omitted: &r.omitted, image: &r.images },
+        }
+    }
+
     /// The positions of the vertices' images on the mesh of `other`: the compatible mesh.
     ///
     /// A vertex that no face uses has no image; it is put at the first vertex's, where it does no harm.
     pub fn image_positions(&self, other: &Side) -> IdVec<VertexId, DVec3> {
-        let anywhere = self.image.iter().flatten().next().map_or(DVec3::ZERO, |p| p.position(other.mesh));
-        self.image.iter().map(|p| p.map_or(anywhere, |p| p.position(other.mesh))).collect()
+        let image = self.finest().image;
+        let anywhere = image.iter().flatten().next().map_or(DVec3::ZERO, |p| p.position(other.mesh));
+        image.iter().map(|p| p.map_or(anywhere, |p| p.position(other.mesh))).collect()
     }
 
     /// The measures of the compatible mesh on the mesh of `other`, and its collapsed or turned-over triangles.
     pub fn distortion(&self, other: &Side) -> (Distortion, Vec<FaceId>) {
-        let image = self.image_positions(other);
-        let flips = flips_on_target(self.mesh, other.mesh, self.image, &image);
-        (distortion(&self.mesh.faces(), &self.mesh.positions, &image, flips.len()), flips)
+        let positions = self.image_positions(other);
+        let Finest { mesh, image, .. } = self.finest();
+        let flips = flips_on_target(mesh, other.mesh, image, &positions);
+        (distortion(&mesh.faces(), &mesh.positions, &positions, flips.len()), flips)
     }
+}
+
+/// The mesh that a compatible mesh shares its connectivity with.
+#[derive(Clone, Copy, Debug)]
+pub struct Finest<'a> {
+    /// What its file holds.
+    pub file: &'a MeshFile,
+    /// The same as an oriented manifold.
+    pub mesh: &'a TriMesh,
+    /// The file's triangles that the mesh lacks, in order.
+    pub omitted: &'a [FaceId],
+    /// Where each vertex lies on the other mesh.
+    pub image: &'a IdVec<VertexId, Option<SurfacePoint>>,
 }

@@ -64,6 +64,11 @@ impl Canonical {
         self.vertex_there[here]
     }
 
+    /// The number in the given mesh of a face here.
+    pub fn face_there(&self, here: FaceId) -> FaceId {
+        face_of(self.corner_there[HalfedgeId(3 * here.0)])
+    }
+
     /// A point in terms of the given mesh.
     pub fn point_there(&self, here: SurfacePoint) -> SurfacePoint {
         match here {

@@ -8,6 +8,8 @@ pub mod id;
 pub mod io;
 pub mod metric;
 pub mod point;
+pub mod salience;
+pub mod subdivision;
 pub mod trimesh;
 
 pub use canonical::Canonical;

@@ -1,5 +1,6 @@
 //! A job of the main pipeline and its options.
 
+use crate::stage::refine::RefineOptions;
 use crate::stage::relax::RelaxOptions;
 use std::path::PathBuf;
 
@@ -79,6 +80,8 @@ pub struct MapOptions {
     /// Rounds of relaxation go on until one lowers the energy, less that of an isometry, by less than this share.
     /// Default 0.05.
     pub tolerance: f64,
+    /// Active refinement of the compatible meshes; default: none, exactly the input's vertices and faces.
+    pub refine: Option<RefineOptions>,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images. Default 65.
     pub image: usize,
     /// Seed of whatever is drawn by chance. Default 0.
@@ -91,6 +94,7 @@ impl Default for MapOptions {
             layout: LayoutMethod::default(),
             relax: Relaxation::default(),
             tolerance: RelaxOptions::default().tolerance,
+            refine: None,
             image: 65,
             seed: 0,
         }

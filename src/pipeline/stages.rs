@@ -25,6 +25,7 @@ pub fn run_maps(
     thread::scope(|scope| {
         let loaded = Line::start(scope, observer, jobs).then(Stage::Load, steps::load);
         checked_to_composed(loaded, options, compute)
+            .then(Stage::Refine, |pair, step| steps::refine(pair, options.refine.as_ref(), step))
             .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, step))
             .then(Stage::Write, |pair, step| steps::write(pair, device, step))
             .finish(take);
@@ -83,6 +84,8 @@ pub enum Stage {
     Relax,
     /// Joins the embeddings into the map and certifies it.
     Compose,
+    /// Inserts vertices where the compatible meshes miss the other surface, if that was asked for.
+    Refine,
     /// Samples the common atlas.
     Bake,
     /// Writes the output folder.
@@ -91,7 +94,7 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 10] = [
+    pub const ALL: [Stage; 11] = [
         Stage::Load,
         Stage::Check,
         Stage::Cluster,
@@ -100,6 +103,7 @@ impl Stage {
         Stage::Stretch,
         Stage::Relax,
         Stage::Compose,
+        Stage::Refine,
         Stage::Bake,
         Stage::Write,
     ];
@@ -115,6 +119,7 @@ impl Stage {
             Stage::Stretch => "stretch",
             Stage::Relax => "relax",
             Stage::Compose => "compose",
+            Stage::Refine => "refine",
             Stage::Bake => "bake",
             Stage::Write => "write",
         }

@@ -9,13 +9,15 @@ use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
+use crate::map::refined::{RefinedMesh, refined_mesh};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::stage;
 use crate::stage::check::{Checked, LoadedMesh};
 use crate::stage::cluster::BaseVertices;
-use crate::stage::compose::{CertifiedMap, Composed, in_file_terms};
+use crate::stage::compose::{CertifiedMap, Composed, images_there, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
+use crate::stage::refine::RefineOptions;
 use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_patches};
 use std::path::PathBuf;
 
@@ -36,6 +38,7 @@ pub struct Finished {
     relaxation: RelaxationSummary,
     composed: Composed,
     notes: Vec<String>,
+    refined: Option<[RefinedMesh; 2]>,
 }
 
 /// A finished map with its images, in terms of the files.
@@ -45,6 +48,7 @@ pub struct Baked {
     map: CertifiedMap,
     notes: Vec<String>,
     images: Option<GeometryImages>,
+    refined: Option<[RefinedMesh; 2]>,
 }
 
 /// A certified map with what it was made from.
@@ -185,12 +189,32 @@ pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
             return Err(Error::bug(format!("the finished map is not bijective: {:?}", composed.certificate)));
         }
         step.detail("certified");
-        Ok(Finished { summary, relaxation, composed, notes })
+        Ok(Finished { summary, relaxation, composed, notes, refined: None })
+    })
+}
+
+/// Inserts vertices into both meshes where the compatible meshes miss the other surface.
+pub fn refine(pair: Pair<Finished>, options: Option<&RefineOptions>, step: &Step) -> Result<Pair<Finished>> {
+    let Some(options) = options else { return Ok(pair) };
+    pair.then(|checked, finished| {
+        let sides = [&checked.source, &checked.target];
+        let one = |k: usize| -> Result<(RefinedMesh, [usize; 2])> {
+            let LoadedMesh { file, mesh, omitted, canonical, .. } = sides[k];
+            let refinement = stage::refine::refine(checked.meshes(), &finished.composed, k, options);
+            let images = images_there(&refinement.images, [canonical, &sides[1 - k].canonical]);
+            let subdivision = refinement.subdivision.there(canonical, mesh);
+            Ok((refined_mesh(file, mesh, omitted, &subdivision, images)?, refinement.inserted))
+        };
+        let (source, target) = rayon::join(|| one(0), || one(1));
+        let ((source, on_source), (target, on_target)) = (source?, target?);
+        let told = [on_source, on_target].map(|[features, profile]| format!("{features} and {profile}"));
+        step.detail(format!("vertices for features and profile: {} (source), {} (target)", told[0], told[1]));
+        Ok(Finished { refined: Some([source, target]), ..finished })
     })
 }
 
 pub fn mapped(pair: Pair<Finished>) -> Mapped {
-    let Pair { mut checked, made: Finished { summary, relaxation, composed, notes }, .. } = pair;
+    let Pair { mut checked, made: Finished { summary, relaxation, composed, notes, .. }, .. } = pair;
     let map = in_file_terms(&checked, composed);
     checked.warnings.extend(notes);
     Mapped { checked, map, layout: summary, relaxation }
@@ -198,19 +222,19 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 
 /// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, step: &Step) -> Result<Pair<Baked>> {
-    pair.then(|checked, Finished { summary, relaxation, composed, notes }| {
+    pair.then(|checked, Finished { summary, relaxation, composed, notes, refined }| {
         let images = geometry_images(compute, checked.meshes(), &composed, size)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
         let map = in_file_terms(checked, composed);
-        Ok(Baked { summary, relaxation, map, notes, images })
+        Ok(Baked { summary, relaxation, map, notes, images, refined })
     })
 }
 
 pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
     let Pair { out, checked, made } = &pair;
     let product = Product {
-        source: side(&checked.source, &made.map, 0),
-        target: side(&checked.target, &made.map, 1),
+        source: side(&checked.source, made, 0),
+        target: side(&checked.target, made, 1),
         landmarks: &checked.landmarks,
         base: &made.map.base,
         layout: made.summary.clone(),
@@ -223,8 +247,9 @@ pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
     stage::write::write(&product, out, || step.seconds())
 }
 
-fn side<'a>(LoadedMesh { file, mesh, omitted, .. }: &'a LoadedMesh, map: &'a CertifiedMap, k: usize) -> Side<'a> {
-    Side { file, mesh, omitted, arcs: &map.arcs[k], image: &map.maps[k].images }
+fn side<'a>(LoadedMesh { file, mesh, omitted, .. }: &'a LoadedMesh, made: &'a Baked, k: usize) -> Side<'a> {
+    let refined = made.refined.as_ref().map(|sides| &sides[k]);
+    Side { file, mesh, omitted, arcs: &made.map.arcs[k], image: &made.map.maps[k].images, refined }
 }
 
 /// The device in the report; without the number of threads, on which no result depends.

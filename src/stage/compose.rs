@@ -8,7 +8,7 @@ use crate::error::Result;
 use crate::map::certificate::{Certificate, certify};
 use crate::map::embedding::{EmbeddedMesh, Embedding};
 use crate::map::surface_map::{Chart, SurfaceMap, compose as compose_one};
-use crate::mesh::{ArcId, Id, IdVec, LandmarkId, SurfacePoint, TriMesh};
+use crate::mesh::{ArcId, Canonical, Id, IdVec, LandmarkId, SurfacePoint, TriMesh, VertexId};
 use crate::path::base_complex::BaseComplex;
 
 /// A finished map.
@@ -44,12 +44,21 @@ pub fn in_file_terms(checked: &Checked, composed: Composed) -> CertifiedMap {
     base.arcs.raw.iter_mut().for_each(|ends| *ends = ends.map(number));
     let orders = [&checked.source.canonical, &checked.target.canonical];
     for k in 0..2 {
-        let images = &maps[k].images;
-        let image = |v| images[orders[k].vertex(v)].map(|point| orders[1 - k].point_there(point));
-        maps[k].images = images.ids().map(image).collect();
+        maps[k].images = images_there(&maps[k].images, [orders[k], orders[1 - k]]);
         arcs[k].raw.iter_mut().flatten().for_each(|point| *point = orders[k].point_there(*point));
     }
     CertifiedMap { base, maps, arcs, certificate }
+}
+
+/// Images in terms of the files, those of appended vertices behind the others; `orders` are the canonical orders of the
+/// mesh whose vertices have images, and of the other.
+pub fn images_there(
+    images: &IdVec<VertexId, Option<SurfacePoint>>,
+    orders: [&Canonical; 2],
+) -> IdVec<VertexId, Option<SurfacePoint>> {
+    let own = orders[0].mesh.positions.len();
+    let here = |v: VertexId| if v.index() < own { orders[0].vertex(v) } else { v };
+    images.ids().map(|v| images[here(v)].map(|point| orders[1].point_there(point))).collect()
 }
 
 /// Composes the map both ways and certifies it.

@@ -21,6 +21,7 @@ pub mod order;
 pub mod polish;
 pub mod polygon;
 pub mod rebuild;
+pub mod refine;
 pub mod relax;
 pub mod stretch;
 pub mod take_out;

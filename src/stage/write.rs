@@ -8,7 +8,8 @@ pub use folder::{OutputFolder, check_place};
 use crate::error::Result;
 use crate::map::file_order::{Onto, number_in_file};
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
-use crate::map::product::{Product, Side};
+use crate::map::product::{Finest, Product, Side};
+use crate::map::refined::RefinedMesh;
 use crate::map::report::{Report, peak_bytes};
 use crate::mesh::io::write_obj;
 use crate::mesh::{FaceId, Id};
@@ -23,6 +24,12 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
     let folder = OutputFolder::create(dir)?;
     write_side(&folder, "source_on_target", &product.source, &product.target)?;
     write_side(&folder, "target_on_source", &product.target, &product.source)?;
+    for (name, side) in [("source_refined", &product.source), ("target_refined", &product.target)] {
+        if let Some(RefinedMesh { file, .. }) = side.refined {
+            let place = folder.place();
+            folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, place, file, &file.positions))?;
+        }
+    }
     for (name, bytes) in product.images.iter().flat_map(|images| &images.files) {
         folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
     }
@@ -38,8 +45,9 @@ fn write_side(folder: &OutputFolder, name: &str, side: &Side, other: &Side) -> R
     let positions = side.image_positions(other);
     let triangles = other.file.triangles();
     let onto = Onto { mesh: other.mesh, triangles: &triangles, omitted: other.omitted };
-    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, folder.place(), side.file, &positions.raw))?;
-    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, side.image, onto))
+    let Finest { file, image, .. } = side.finest();
+    folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, folder.place(), file, &positions.raw))?;
+    folder.write(&format!("{name}.csv"), |out| points_csv::write_points(out, image, onto))
 }
 
 fn layout_file(product: &Product) -> LayoutFile {
@@ -92,8 +100,9 @@ const NAMED_FLIPS: usize = 5;
 
 /// A map that does not fold can still have turned-over samples.
 fn flip_warning(file: &str, side: &Side, flips: &[FaceId]) -> Option<String> {
-    let polygons = side.file.triangle_polygons();
-    let polygon = |&f: &FaceId| polygons[number_in_file(f, side.omitted).index()];
+    let Finest { file: mesh_file, omitted, .. } = side.finest();
+    let polygons = mesh_file.triangle_polygons();
+    let polygon = |&f: &FaceId| polygons[number_in_file(f, omitted).index()];
     let mut names: Vec<String> = flips.iter().take(NAMED_FLIPS).map(|f| polygon(f).to_string()).collect();
     if flips.len() > names.len() {
         names.push("...".to_owned());

@@ -138,7 +138,7 @@ impl MeshFile {
     }
 
     /// Appends a polygon by its vertices.
-    pub(super) fn push_polygon(&mut self, corners: impl IntoIterator<Item = u32>) {
+    pub fn push_polygon(&mut self, corners: impl IntoIterator<Item = u32>) {
         if self.offsets.is_empty() {
             self.offsets.push(0);
         }

@@ -1,0 +1,105 @@
+//! Salient vertices: so many that spheres through them come near all others (HYPOTHESIS 4.2).
+//!
+//! Around a vertex a surface is nearly a sphere, whose radius and centre its mean-curvature normal tells (Meyer, Desbrun,
+//! Schröder, Barr 2002). Vertices are taken from the most curved on; each stands for those around it that lie near its
+//! sphere, and what no earlier one stands for is salient itself. Without them the profile of the surface collapses.
+
+use super::{IdVec, TriMesh, VertexId, corner, metric, next, prev};
+use glam::DVec3;
+
+/// Where a radius is more than this many times the mesh's diagonal, the sphere is a plane.
+const FLAT: f64 = 1e6;
+
+/// The salient vertices of a mesh; a sphere is met within `tolerance`, in mesh units.
+pub fn salient_vertices(mesh: &TriMesh, tolerance: f64) -> Vec<VertexId> {
+    let curvature = mean_curvature_normals(mesh);
+    let diagonal = mesh.diagonal();
+    let used = |v: &VertexId| mesh.conn.leaving(*v).is_some();
+    let mut order: Vec<VertexId> = mesh.conn.vertices().filter(used).collect();
+    order.sort_by(|&a, &b| curvature[b].length().total_cmp(&curvature[a].length()).then(a.cmp(&b)));
+    let mut is_stood_for = IdVec::filled(false, mesh.positions.len());
+    let mut salient = Vec::new();
+    for v in order {
+        if is_stood_for[v] {
+            continue;
+        }
+        salient.push(v);
+        is_stood_for[v] = true;
+        let gap = gap_to_sphere(mesh.positions[v], curvature[v], FLAT * diagonal);
+        let mut open = vec![v];
+        while let Some(w) = open.pop() {
+            for h in mesh.conn.outgoing(w) {
+                for x in [mesh.conn.to(h), mesh.conn.from(prev(h))] {
+                    if !is_stood_for[x] && gap(mesh.positions[x]) < tolerance {
+                        is_stood_for[x] = true;
+                        open.push(x);
+                    }
+                }
+            }
+        }
+    }
+    salient
+}
+
+/// How far a point is from the sphere that touches `at`, given its mean-curvature normal 2 H n.
+fn gap_to_sphere(at: DVec3, curvature: DVec3, flat: f64) -> impl Fn(DVec3) -> f64 {
+    let radius = 2.0 / curvature.length();
+    let normal = curvature.normalize_or_zero();
+    move |p| {
+        if radius < flat { (p.distance(at - normal * radius) - radius).abs() } else { (p - at).dot(normal).abs() }
+    }
+}
+
+/// Twice the mean curvature times the outer normal, at every vertex; zero on the boundary, which has none.
+fn mean_curvature_normals(mesh: &TriMesh) -> IdVec<VertexId, DVec3> {
+    let mut sum = IdVec::filled(DVec3::ZERO, mesh.positions.len());
+    let mut area = IdVec::filled(0.0, mesh.positions.len());
+    for f in mesh.conn.faces() {
+        for v in mesh.conn.face(f) {
+            area[v] += metric::area(mesh.triangle(f)) / 3.0;
+        }
+        for h in (0..3).map(|i| corner(f, i)) {
+            let [a, b, c] = [mesh.conn.from(h), mesh.conn.from(next(h)), mesh.conn.from(prev(h))];
+            let [u, w] = [a, b].map(|v| mesh.positions[v] - mesh.positions[c]);
+            let double_area = u.cross(w).length();
+            if double_area > 0.0 {
+                let pull = (mesh.positions[a] - mesh.positions[b]) * (0.5 * u.dot(w) / double_area);
+                sum[a] += pull;
+                sum[b] -= pull;
+            }
+        }
+    }
+    let on_boundary =
+        |v: VertexId| mesh.conn.outgoing(v).any(|h| mesh.conn.twin(h).is_none() || mesh.conn.twin(prev(h)).is_none());
+    let one = |v: VertexId| if area[v] > 0.0 && !on_boundary(v) { sum[v] / area[v] } else { DVec3::ZERO };
+    mesh.conn.vertices().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::fixture::{ellipsoid, icosphere};
+
+    #[test]
+    fn a_sphere_has_the_curvature_of_a_sphere_and_one_salient_vertex() {
+        let mesh = icosphere(4);
+        let curvature = mean_curvature_normals(&mesh);
+        for v in mesh.conn.vertices() {
+            assert!((curvature[v] - 2.0 * mesh.positions[v]).length() < 0.1, "{v} {}", curvature[v]);
+        }
+        assert_eq!(salient_vertices(&mesh, 0.05).len(), 1);
+    }
+
+    #[test]
+    fn what_is_not_salient_is_near_a_salient_vertex_sphere_and_sharp_ends_come_first() {
+        let mesh = ellipsoid(DVec3::new(1.0, 0.2, 0.2), 4);
+        let [coarse, fine] = [1e-2, 1e-3].map(|tolerance| salient_vertices(&mesh, tolerance));
+        assert!(coarse.len() < fine.len() && fine.len() < mesh.positions.len());
+        assert!(mesh.positions[coarse[0]].x.abs() > 0.9, "{}", mesh.positions[coarse[0]]);
+        let curvature = mean_curvature_normals(&mesh);
+        for v in mesh.conn.vertices() {
+            let near = |&s: &VertexId| gap_to_sphere(mesh.positions[s], curvature[s], 1e9)(mesh.positions[v]) < 1e-3;
+            assert!(fine.contains(&v) || fine.iter().any(near), "{v}");
+        }
+    }
+}
