@@ -12,8 +12,22 @@ use std::collections::HashMap;
 const ON_EDGE: f64 = 1e-9;
 /// Flipped triangles have at least this share of the area of their face.
 const LEAST_SHARE: f64 = 1e-6;
-/// A flip must make the smallest angle larger by this factor, so that flips end.
-const WORTH_FLIPPING: f64 = 1.0 + 1e-6;
+/// A vertex that would leave a smaller angle than this, in radians, is not inserted unless the angles are no better already.
+const LEAST_ANGLE: f64 = 0.005;
+/// A flip must make the smallest angle larger by so many radians, so that flips end.
+const WORTH_FLIPPING: f64 = 1e-6;
+
+/// Where a vertex lies on the other mesh, and the normal there.
+#[derive(Clone, Copy, Debug)]
+pub struct Image {
+    /// The position.
+    pub point: DVec3,
+    /// The unit normal.
+    pub normal: DVec3,
+}
+
+/// Gives the images of vertices.
+pub type Images<'a> = &'a dyn Fn(u32) -> Image;
 
 /// The mesh being refined.
 #[derive(Clone, Debug)]
@@ -88,18 +102,51 @@ impl<'m> Subdivision<'m> {
         Some(SurfacePoint::from_barycentric(self.mesh, f, b))
     }
 
-    /// Inserts a vertex; `place` gives the vertices' positions on the other mesh. Returns the triangles that changed, none
-    /// if there is a vertex already or the point is on no face.
-    pub fn insert(&mut self, point: SurfacePoint, place: &dyn Fn(u32) -> DVec3) -> Vec<u32> {
+    /// Inserts a vertex; `images` also gives that of the vertex that will be the next. Returns the triangles that changed,
+    /// none if there is a vertex already, if the point is on no face, or if triangles would turn over or become slivers.
+    pub fn insert(&mut self, point: SurfacePoint, images: Images) -> Vec<u32> {
         let Some((t, weights)) = self.locate(point) else { return Vec::new() };
         let near: Vec<usize> = (0..3).filter(|&i| weights[i] < ON_EDGE).collect();
-        let mut changed = match near.as_slice() {
-            [] => self.split_triangle(t, point),
-            &[i] => self.split_edge(t, (i + 1) % 3, point, weights),
+        let side = match near.as_slice() {
+            [] => None,
+            &[i] => Some((i + 1) % 3),
             _ => return Vec::new(),
         };
-        self.legalise(&mut changed, place);
+        if !self.has_room(t, side, point, images) {
+            return Vec::new();
+        }
+        let mut changed = match side {
+            None => self.split_triangle(t, point),
+            Some(side) => self.split_edge(t, side, point, weights),
+        };
+        self.legalise(&mut changed, images);
         changed
+    }
+
+    /// True if a vertex in a triangle, or on a side of it, leaves the triangles around it upright and no slivers.
+    fn has_room(&self, t: u32, side: Option<usize>, point: SurfacePoint, images: Images) -> bool {
+        let new = self.places.len() as u32;
+        let corners = self.triangles[t as usize];
+        let around = |side: usize| {
+            let [a, b] = [corners[side], corners[(side + 1) % 3]];
+            let behind = self.left_of.get(&[b, a]).map(|&s| self.triangles[s as usize]);
+            std::iter::once(corners).chain(behind).collect::<Vec<_>>()
+        };
+        let before = side.map_or(vec![corners], around);
+        let split = |t: &[u32; 3]| {
+            let halves = edges(*t).into_iter().filter(|&[a, b]| {
+                side.is_none_or(|side| ![a, b].iter().all(|v| [corners[side], corners[(side + 1) % 3]].contains(v)))
+            });
+            halves.map(|[a, b]| [a, b, new]).collect::<Vec<_>>()
+        };
+        let after: Vec<[u32; 3]> = before.iter().flat_map(split).collect();
+        let here = |v: u32| if v == new { point.position(self.mesh) } else { self.position(v) };
+        let [old, least] = [&before, &after].map(|triangles| least_angle(triangles, &here, images));
+        least > LEAST_ANGLE || least >= old
+    }
+
+    fn position(&self, v: u32) -> DVec3 {
+        self.places[v as usize].position(self.mesh)
     }
 
     /// The triangle that holds a point, and its weights of the corners.
@@ -183,13 +230,13 @@ impl<'m> Subdivision<'m> {
     }
 
     /// Flips edges inside faces until no flip makes the smallest angle larger.
-    fn legalise(&mut self, changed: &mut Vec<u32>, place: &dyn Fn(u32) -> DVec3) {
+    fn legalise(&mut self, changed: &mut Vec<u32>, images: Images) {
         let mut open: Vec<[u32; 2]> = changed.iter().flat_map(|&t| edges(self.triangles[t as usize])).collect();
         let most = 64 * open.len();
         for _ in 0..most {
             let Some([a, b]) = open.pop() else { return };
             let (Some(&s), Some(&t)) = (self.left_of.get(&[a, b]), self.left_of.get(&[b, a])) else { continue };
-            if let Some([c, d]) = self.wants_flip([a, b], [s, t], place) {
+            if let Some([c, d]) = self.wants_flip([a, b], [s, t], images) {
                 self.left_of.remove(&[a, b]);
                 self.left_of.remove(&[b, a]);
                 self.triangles[s as usize] = [d, b, c];
@@ -203,7 +250,7 @@ impl<'m> Subdivision<'m> {
 
     /// The corners opposite an edge if it should run between them: both its triangles lie in one face and make up a convex
     /// quad there, and the smallest angle of both gets larger, here and on the other mesh.
-    fn wants_flip(&self, [a, b]: [u32; 2], [s, t]: [u32; 2], place: &dyn Fn(u32) -> DVec3) -> Option<[u32; 2]> {
+    fn wants_flip(&self, [a, b]: [u32; 2], [s, t]: [u32; 2], images: Images) -> Option<[u32; 2]> {
         let f = self.faces[s as usize];
         if f != self.faces[t as usize] {
             return None;
@@ -219,13 +266,26 @@ impl<'m> Subdivision<'m> {
         if !is_upright(s, q, r) || !is_upright(r, p, s) {
             return None;
         }
-        let here = |v: u32| self.places[v as usize].position(self.mesh);
-        let least = |triangles: [[u32; 3]; 2]| {
-            let angles = |t: [u32; 3]| [metric::angles(t.map(here)), metric::angles(t.map(place))];
-            triangles.into_iter().flat_map(angles).flatten().fold(f64::INFINITY, f64::min)
-        };
-        (least([[d, b, c], [c, a, d]]) > least([[a, b, c], [b, a, d]]) * WORTH_FLIPPING).then_some([c, d])
+        let least = |triangles: [[u32; 3]; 2]| least_angle(&triangles, &|v| self.position(v), images);
+        (least([[d, b, c], [c, a, d]]) > least([[a, b, c], [b, a, d]]) + WORTH_FLIPPING).then_some([c, d])
     }
+}
+
+/// The smallest angle of triangles, on this mesh and on the other one; negative there where a triangle is turned over.
+fn least_angle(triangles: &[[u32; 3]], here: &dyn Fn(u32) -> DVec3, images: Images) -> f64 {
+    let smallest = |t: [DVec3; 3]| metric::angles(t).into_iter().fold(f64::INFINITY, f64::min);
+    let one = |t: &[u32; 3]| {
+        let image = t.map(images);
+        let [a, b, c] = image.map(|i| i.point);
+        let normal: DVec3 = image.iter().map(|i| i.normal).sum();
+        let there = smallest([a, b, c]);
+        smallest(t.map(here)).min(if (b - a).cross(c - a).dot(normal) < 0.0 {
+            there - std::f64::consts::PI
+        } else {
+            there
+        })
+    };
+    triangles.iter().map(one).fold(f64::INFINITY, f64::min)
 }
 
 fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
@@ -239,14 +299,16 @@ mod tests {
     use crate::shape::SplitMix;
     use crate::shape::fixture::icosphere;
 
-    fn position(subdivision: &Subdivision, v: u32) -> DVec3 {
-        subdivision.places[v as usize].position(subdivision.mesh)
+    /// The sphere mapped to itself.
+    fn itself(mesh: &TriMesh, place: SurfacePoint) -> Image {
+        let point = place.position(mesh);
+        Image { point, normal: point.normalize() }
     }
 
     /// The triangles are a manifold with the mesh's surface: same area in every face, none turned over.
     fn check(subdivision: &Subdivision) {
         let faces: Vec<[VertexId; 3]> = subdivision.triangles.iter().map(|t| t.map(VertexId)).collect();
-        let positions = (0..subdivision.places.len() as u32).map(|v| position(subdivision, v)).collect();
+        let positions = (0..subdivision.places.len() as u32).map(|v| subdivision.position(v)).collect();
         let fine = TriMesh::new(positions, &faces).expect("a manifold");
         assert_eq!(fine.conn.euler_characteristic(), subdivision.mesh.conn.euler_characteristic());
         for f in subdivision.mesh.conn.faces() {
@@ -278,11 +340,11 @@ mod tests {
                 SurfacePoint::Face(FaceId((random.unit() * 80.0) as u32), b)
             };
             let known = subdivision.places.clone();
-            let place = |v: u32| known.get(v as usize).copied().unwrap_or(point).position(&mesh);
-            let changed = subdivision.insert(point, &place);
+            let changed =
+                subdivision.insert(point, &|v| itself(&mesh, known.get(v as usize).copied().unwrap_or(point)));
             inserted += usize::from(!changed.is_empty());
         }
-        assert!(inserted > 390 && subdivision.places.len() == mesh.positions.len() + inserted);
+        assert!(inserted > 350 && subdivision.places.len() == mesh.positions.len() + inserted);
         assert_eq!(subdivision.triangles.len(), 80 + 2 * inserted);
         check(&subdivision);
     }
@@ -292,10 +354,24 @@ mod tests {
         let mesh = icosphere(0);
         let mut subdivision = Subdivision::new(&mesh);
         let point = SurfacePoint::Face(FaceId(3), [0.2, 0.3, 0.5]);
-        let place = |v: u32| mesh.positions.raw.get(v as usize).copied().unwrap_or(point.position(&mesh));
-        assert_eq!(subdivision.insert(point, &place).len(), 3);
-        assert!(subdivision.insert(point, &place).is_empty());
-        assert!(subdivision.insert(SurfacePoint::Vertex(VertexId(2)), &place).is_empty());
+        let known = subdivision.places.clone();
+        let images = |v: u32| itself(&mesh, known.get(v as usize).copied().unwrap_or(point));
+        assert_eq!(subdivision.insert(point, &images).len(), 3);
+        assert!(subdivision.insert(point, &images).is_empty());
+        assert!(subdivision.insert(SurfacePoint::Vertex(VertexId(2)), &images).is_empty());
         check(&subdivision);
+    }
+
+    #[test]
+    fn a_vertex_that_would_turn_triangles_over_finds_no_room() {
+        let mesh = icosphere(0);
+        let mut subdivision = Subdivision::new(&mesh);
+        let point = SurfacePoint::Face(FaceId(3), [0.2, 0.3, 0.5]);
+        let astray = |v: u32| match mesh.positions.raw.get(v as usize) {
+            Some(&p) => Image { point: p, normal: p },
+            None => Image { point: point.position(&mesh) * -1.0, normal: point.position(&mesh) },
+        };
+        assert!(subdivision.insert(point, &astray).is_empty());
+        assert_eq!(subdivision.places.len(), mesh.positions.len());
     }
 }

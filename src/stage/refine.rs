@@ -9,8 +9,8 @@
 use super::compose::Composed;
 use crate::map::lift::Lift;
 use crate::mesh::salience::salient_vertices;
-use crate::mesh::subdivision::Subdivision;
-use crate::mesh::{IdVec, SurfacePoint, TriMesh, VertexId, metric};
+use crate::mesh::subdivision::{Image, Subdivision};
+use crate::mesh::{IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cmp::Ordering;
@@ -104,10 +104,12 @@ pub fn refine<'m>(
         lift: Lift::new(meshes, &composed.embedding, from),
         subdivision: Subdivision::new(mesh),
         image: images.iter().map(|p| p.map_or(anywhere, |p| p.position(other))).collect(),
+        normal: Vec::new(),
         images: images.raw.clone(),
         holds: Vec::new(),
         middles: HashMap::new(),
     };
+    refiner.normal = images.iter().map(|p| p.map_or(DVec3::ZERO, |p| refiner.normal_at(p))).collect();
     refiner.look_at_middles();
     let most = (options.most * mesh.positions.len() as f64) as usize;
     let everything: Vec<VertexId> = other.conn.vertices().collect();
@@ -129,6 +131,8 @@ struct Refiner<'a, 'm> {
     subdivision: Subdivision<'m>,
     /// Where every vertex of the finer mesh lies on the other one.
     image: Vec<DVec3>,
+    /// The normals there.
+    normal: Vec<DVec3>,
     images: Vec<Option<SurfacePoint>>,
     /// For every triangle the vertices of the other mesh that are to be met and lie in its image.
     holds: Vec<Vec<VertexId>>,
@@ -151,6 +155,19 @@ impl Refiner<'_, '_> {
         let (t, _) = self.subdivision.locate(point)?;
         self.holds[t as usize].push(v);
         Some(t)
+    }
+
+    /// The normal of the other mesh at a point, that of the faces around it together.
+    fn normal_at(&self, point: SurfacePoint) -> DVec3 {
+        let area_vector = |f| {
+            let [a, b, c] = self.other.triangle(f);
+            (b - a).cross(c - a)
+        };
+        let sum: DVec3 = match point {
+            SurfacePoint::Vertex(v) => self.other.conn.outgoing(v).map(|h| area_vector(face_of(h))).sum(),
+            _ => point.on_face(self.other).map_or(DVec3::ZERO, |(f, _)| area_vector(f)),
+        };
+        sum.normalize_or_zero()
     }
 
     /// Looks where the middles of all edges should lie.
@@ -249,13 +266,18 @@ impl Refiner<'_, '_> {
 
     /// Inserts a vertex; returns the triangles that changed or hold other vertices since.
     fn insert(&mut self, point: SurfacePoint, image: SurfacePoint) -> Vec<u32> {
-        let (places, new) = (&self.image, image.position(self.other));
-        let place = |w: u32| places.get(w as usize).copied().unwrap_or(new);
-        let mut changed = self.subdivision.insert(point, &place);
+        let new = Image { point: image.position(self.other), normal: self.normal_at(image) };
+        let (known, normals) = (&self.image, &self.normal);
+        let images = |w: u32| match known.get(w as usize) {
+            Some(&point) => Image { point, normal: normals[w as usize] },
+            None => new,
+        };
+        let mut changed = self.subdivision.insert(point, &images);
         if changed.is_empty() {
             return changed;
         }
-        self.image.push(new);
+        self.image.push(new.point);
+        self.normal.push(new.normal);
         self.images.push(Some(image));
         self.holds.resize(self.subdivision.triangles.len(), Vec::new());
         let homeless: Vec<VertexId> =
