@@ -103,8 +103,9 @@ impl<'m> Subdivision<'m> {
     }
 
     /// Inserts a vertex; `images` also gives that of the vertex that will be the next. Returns the triangles that changed,
-    /// none if there is a vertex already, if the point is on no face, or if triangles would turn over or become slivers.
-    pub fn insert(&mut self, point: SurfacePoint, images: Images) -> Vec<u32> {
+    /// none if there is a vertex already or the point is on no face; and, if that is `careful`, where triangles would turn over
+    /// or become slivers.
+    pub fn insert(&mut self, point: SurfacePoint, images: Images, careful: bool) -> Vec<u32> {
         let Some((t, weights)) = self.locate(point) else { return Vec::new() };
         let near: Vec<usize> = (0..3).filter(|&i| weights[i] < ON_EDGE).collect();
         let side = match near.as_slice() {
@@ -112,7 +113,7 @@ impl<'m> Subdivision<'m> {
             &[i] => Some((i + 1) % 3),
             _ => return Vec::new(),
         };
-        if !self.has_room(t, side, point, images) {
+        if careful && !self.has_room(t, side, point, images) {
             return Vec::new();
         }
         let mut changed = match side {
@@ -341,7 +342,7 @@ mod tests {
             };
             let known = subdivision.places.clone();
             let changed =
-                subdivision.insert(point, &|v| itself(&mesh, known.get(v as usize).copied().unwrap_or(point)));
+                subdivision.insert(point, &|v| itself(&mesh, known.get(v as usize).copied().unwrap_or(point)), true);
             inserted += usize::from(!changed.is_empty());
         }
         assert!(inserted > 350 && subdivision.places.len() == mesh.positions.len() + inserted);
@@ -356,9 +357,9 @@ mod tests {
         let point = SurfacePoint::Face(FaceId(3), [0.2, 0.3, 0.5]);
         let known = subdivision.places.clone();
         let images = |v: u32| itself(&mesh, known.get(v as usize).copied().unwrap_or(point));
-        assert_eq!(subdivision.insert(point, &images).len(), 3);
-        assert!(subdivision.insert(point, &images).is_empty());
-        assert!(subdivision.insert(SurfacePoint::Vertex(VertexId(2)), &images).is_empty());
+        assert_eq!(subdivision.insert(point, &images, true).len(), 3);
+        assert!(subdivision.insert(point, &images, true).is_empty());
+        assert!(subdivision.insert(SurfacePoint::Vertex(VertexId(2)), &images, true).is_empty());
         check(&subdivision);
     }
 
@@ -371,7 +372,8 @@ mod tests {
             Some(&p) => Image { point: p, normal: p },
             None => Image { point: point.position(&mesh) * -1.0, normal: point.position(&mesh) },
         };
-        assert!(subdivision.insert(point, &astray).is_empty());
+        assert!(subdivision.insert(point, &astray, true).is_empty());
         assert_eq!(subdivision.places.len(), mesh.positions.len());
+        assert_eq!(subdivision.insert(point, &astray, false).len(), 3);
     }
 }

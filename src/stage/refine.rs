@@ -50,6 +50,9 @@ pub struct Refinement<'m> {
 /// and none if there are two: it would make slivers.
 const NEAR_EDGE: f64 = 0.1;
 
+/// Errors above this share of the diagonal are mended even if triangles turn over for it: there a limb is missing.
+const GLARING: f64 = 0.005;
+
 /// What may be inserted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Wish {
@@ -223,16 +226,18 @@ impl Refiner<'_, '_> {
     /// many.
     fn insert_while_above(&mut self, threshold: f64, most: usize) -> usize {
         let mut queue = BinaryHeap::from(self.wishes());
+        let glaring = GLARING * self.other.diagonal();
         let mut count = 0;
         while let Some(Open { error, wish }) = queue.pop() {
             if count == most || error <= threshold {
                 break;
             }
+            let careful = error < glaring;
             let changed = match wish {
                 Wish::Counterpart(v, t) if self.holds[t as usize].contains(&v) && self.error(v, t) == error => {
-                    self.insert_counterpart(v, t)
+                    self.insert_counterpart(v, t, careful)
                 }
-                Wish::Middle(edge) if self.subdivision.is_edge(edge) => self.insert_middle(edge),
+                Wish::Middle(edge) if self.subdivision.is_edge(edge) => self.insert_middle(edge, careful),
                 // What has changed since has an entry of its own.
                 _ => continue,
             };
@@ -245,7 +250,7 @@ impl Refiner<'_, '_> {
     }
 
     /// Inserts the counterpart of a vertex; returns the triangles that changed, none if there is no room for it.
-    fn insert_counterpart(&mut self, v: VertexId, t: u32) -> Vec<u32> {
+    fn insert_counterpart(&mut self, v: VertexId, t: u32, careful: bool) -> Vec<u32> {
         self.holds[t as usize].retain(|&w| w != v);
         let Some((t, weights)) = self.back[v].and_then(|point| self.subdivision.locate(point)) else {
             return Vec::new();
@@ -254,25 +259,25 @@ impl Refiner<'_, '_> {
             return Vec::new();
         }
         let point = self.subdivision.point_in(t, weights.map(|w| if w < NEAR_EDGE { 0.0 } else { w }));
-        point.map_or(Vec::new(), |point| self.insert(point, SurfacePoint::Vertex(v)))
+        point.map_or(Vec::new(), |point| self.insert(point, SurfacePoint::Vertex(v), careful))
     }
 
-    fn insert_middle(&mut self, edge: [u32; 2]) -> Vec<u32> {
+    fn insert_middle(&mut self, edge: [u32; 2], careful: bool) -> Vec<u32> {
         match self.middles.remove(&edge) {
-            Some(Middle { point, image, .. }) => self.insert(point, image),
+            Some(Middle { point, image, .. }) => self.insert(point, image, careful),
             None => Vec::new(),
         }
     }
 
     /// Inserts a vertex; returns the triangles that changed or hold other vertices since.
-    fn insert(&mut self, point: SurfacePoint, image: SurfacePoint) -> Vec<u32> {
+    fn insert(&mut self, point: SurfacePoint, image: SurfacePoint, careful: bool) -> Vec<u32> {
         let new = Image { point: image.position(self.other), normal: self.normal_at(image) };
         let (known, normals) = (&self.image, &self.normal);
         let images = |w: u32| match known.get(w as usize) {
             Some(&point) => Image { point, normal: normals[w as usize] },
             None => new,
         };
-        let mut changed = self.subdivision.insert(point, &images);
+        let mut changed = self.subdivision.insert(point, &images, careful);
         if changed.is_empty() {
             return changed;
         }
