@@ -305,7 +305,14 @@ impl Identity {
     }
 
     fn write(&self, dir: &Path) -> Report {
-        let side = Side { file: &self.file, mesh: &self.mesh, omitted: &[], arcs: &self.arcs, image: &self.image };
+        let side = Side {
+            file: &self.file,
+            mesh: &self.mesh,
+            omitted: &[],
+            arcs: &self.arcs,
+            image: &self.image,
+            refined: None,
+        };
         let table = TileTable { tile_size: 5, columns: 1, rows: 1, tiles: Vec::new() };
         let images = GeometryImages { table, files: vec![("mask.exr".to_owned(), b"mask".to_vec())] };
         let product = Product {

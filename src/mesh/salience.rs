@@ -4,7 +4,7 @@
 //! Schröder, Barr 2002). Vertices are taken from the most curved on; each stands for those around it that lie near its
 //! sphere, and what no earlier one stands for is salient itself. Without them the profile of the surface collapses.
 
-use super::{IdVec, TriMesh, VertexId, corner, metric, next, prev};
+use super::{IdVec, TriMesh, VertexId, metric, prev};
 use glam::DVec3;
 
 /// Where a radius is more than this many times the mesh's diagonal, the sphere is a plane.
@@ -55,18 +55,30 @@ fn mean_curvature_normals(mesh: &TriMesh) -> IdVec<VertexId, DVec3> {
     let mut sum = IdVec::filled(DVec3::ZERO, mesh.positions.len());
     let mut area = IdVec::filled(0.0, mesh.positions.len());
     for f in mesh.conn.faces() {
-        for v in mesh.conn.face(f) {
-            area[v] += metric::area(mesh.triangle(f)) / 3.0;
+        let corners = mesh.conn.face(f);
+        let points = mesh.triangle(f);
+        let double_area = 2.0 * metric::area(points);
+        if double_area == 0.0 {
+            continue;
         }
-        for h in (0..3).map(|i| corner(f, i)) {
-            let [a, b, c] = [mesh.conn.from(h), mesh.conn.from(next(h)), mesh.conn.from(prev(h))];
-            let [u, w] = [a, b].map(|v| mesh.positions[v] - mesh.positions[c]);
-            let double_area = u.cross(w).length();
-            if double_area > 0.0 {
-                let pull = (mesh.positions[a] - mesh.positions[b]) * (0.5 * u.dot(w) / double_area);
-                sum[a] += pull;
-                sum[b] -= pull;
-            }
+        let dots = [0, 1, 2].map(|i| (points[(i + 1) % 3] - points[i]).dot(points[(i + 2) % 3] - points[i]));
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let half_cotangent = 0.5 * dots[k] / double_area;
+            let side = points[i] - points[j];
+            sum[corners[i]] += side * half_cotangent;
+            sum[corners[j]] -= side * half_cotangent;
+            // The mixed Voronoi area: that of a circumcentre inside, else half at the obtuse corner.
+            let is_obtuse = dots.iter().any(|d| *d < 0.0);
+            area[corners[i]] += match (is_obtuse, dots[i] < 0.0) {
+                (true, true) => 0.25 * double_area,
+                (true, false) => 0.125 * double_area,
+                (false, _) => {
+                    let other = points[i] - points[k];
+                    0.25 * (half_cotangent * side.length_squared()
+                        + 0.5 * dots[j] / double_area * other.length_squared())
+                }
+            };
         }
     }
     let on_boundary =

@@ -6,7 +6,7 @@ use super::joint::{Grown, grow};
 use super::order::{ORDERS, Order, arrange};
 use super::take_out::take_out;
 use super::trace::{Traced, trace};
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::{ArcId, IdVec, LandmarkId, TriMesh};
 use crate::path::base_complex::BaseComplex;
 use crate::path::cut_mesh::CutMesh;
@@ -48,8 +48,7 @@ pub struct Candidate {
 
 /// The candidates with one set of base vertices that are not hopeless, the shortest first; at least one.
 pub fn candidates(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Vec<Candidate>> {
-    let scouting =
-        Scouting { meshes, set, units: meshes.map(|m| m.area().sqrt()), best: AtomicU64::new(f64::INFINITY.to_bits()) };
+    let scouting = Scouting::new(meshes, set, SCOUT_NODES);
     let leads = match meshes[0].conn.euler_characteristic() {
         // Growth starts from bare meshes.
         _ if !set.given[0].is_empty() || !meshes[0].conn.is_closed_and_connected() => 0..0,
@@ -57,7 +56,8 @@ pub fn candidates(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Vec<Candi
         _ => 0..2,
     };
     let mut all: Vec<Result<Option<Candidate>>> = leads.into_par_iter().map(|k| scouting.grow(k).map(Some)).collect();
-    let carried: Vec<Vec<Result<Option<Candidate>>>> = [0, 1].par_iter().map(|&k| scouting.carry_all(k)).collect();
+    let carried: Vec<Vec<Result<Option<Candidate>>>> =
+        [0, 1].par_iter().map(|&k| scouting.carry_all(k, &ORDERS)).collect();
     all.extend(carried.into_iter().flatten());
     let mut failure = None;
     let mut found = Vec::new();
@@ -76,21 +76,33 @@ pub fn candidates(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Vec<Candi
     }
 }
 
+/// The candidate of VORONOI itself: traced on the source, carried to the target in the order of procedure 1.
+pub fn published(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Result<Candidate> {
+    let carried = Scouting::new(meshes, set, edge_nodes).carry_all(0, &[Order::Cuts]).pop();
+    carried.unwrap_or(Ok(None))?.ok_or_else(|| Error::bug("a layout was given up that has no rival"))
+}
+
 /// What all candidates have in common.
 struct Scouting<'a> {
     meshes: [&'a TriMesh; 2],
     set: &'a BaseVertices,
+    edge_nodes: u32,
     units: [f64; 2],
     /// The size of the shortest candidate so far, as bits, which for positive numbers sort like the numbers.
     best: AtomicU64,
 }
 
-impl Scouting<'_> {
+impl<'a> Scouting<'a> {
+    fn new(meshes: [&'a TriMesh; 2], set: &'a BaseVertices, edge_nodes: u32) -> Self {
+        let best = AtomicU64::new(f64::INFINITY.to_bits());
+        Scouting { meshes, set, edge_nodes, units: meshes.map(|m| m.area().sqrt()), best }
+    }
+
     /// A layout grown on both meshes at once.
     fn grow(&self, lead: usize) -> Result<Candidate> {
         let BaseVertices { vertices, clusters, .. } = self.set;
         let landmarks = vertices.each_ref().map(Vec::as_slice);
-        let Grown { base, cuts } = grow(self.meshes, landmarks, clusters, SCOUT_NODES, lead)?;
+        let Grown { base, cuts } = grow(self.meshes, landmarks, clusters, self.edge_nodes, lead)?;
         Ok(self.candidate(base, cuts, Way::Joint(lead), 0))
     }
 
@@ -100,11 +112,11 @@ impl Scouting<'_> {
         candidate
     }
 
-    /// Traces mesh `from` and carries its arcs to the other one, in every order; None for an order that is hopeless.
-    fn carry_all(&self, from: usize) -> Vec<Result<Option<Candidate>>> {
+    /// Traces mesh `from` and carries its arcs to the other one, in the given orders; None for an order that is hopeless.
+    fn carry_all(&self, from: usize, orders: &[Order]) -> Vec<Result<Option<Candidate>>> {
         let BaseVertices { vertices, clusters, given, .. } = self.set;
         let to = 1 - from;
-        let traced = match trace(self.meshes[from], &vertices[from], &given[from], &clusters[from], SCOUT_NODES) {
+        let traced = match trace(self.meshes[from], &vertices[from], &given[from], &clusters[from], self.edge_nodes) {
             Ok(traced) => traced,
             Err(error) => return vec![Err(error)],
         };
@@ -118,7 +130,7 @@ impl Scouting<'_> {
             mesh: self.meshes[to],
             landmarks: &vertices[to],
             given: &given[to],
-            edge_nodes: SCOUT_NODES,
+            edge_nodes: self.edge_nodes,
             reference: &reference,
             enough: &|| (HOPELESS * best() - own) * self.units[to],
         };
@@ -132,12 +144,12 @@ impl Scouting<'_> {
                 self.candidate(traced.base.clone(), cuts, Way::Carried(from, order), postponed)
             }))
         };
-        ORDERS.par_iter().map(one).collect()
+        orders.par_iter().map(one).collect()
     }
 
     /// The length of every arc on bare mesh `k`; infinite for loops, which could shrink to nothing.
     fn reference_lengths(&self, k: usize, traced: &Traced) -> IdVec<ArcId, f64> {
-        let bare = CutMesh::new(self.meshes[k], &self.set.vertices[k], SCOUT_NODES);
+        let bare = CutMesh::new(self.meshes[k], &self.set.vertices[k], self.edge_nodes);
         let length = |searcher: &mut Searcher, ends: &[LandmarkId; 2]| {
             let [start, goal] = ends.map(|l| Terminal::whole(&bare, bare.landmarks[l]));
             let path = (ends[0] != ends[1]).then(|| searcher.shortest(&bare, &start, &goal, &Anywhere)).flatten();

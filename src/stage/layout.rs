@@ -4,7 +4,7 @@
 //! ways; of the shortest, every arc is traced again inside the quad that taking it away opens, and both cut meshes are
 //! rebuilt from their straightened arcs.
 
-use super::candidate::{Candidate, SCOUT_NODES, Way, candidates};
+use super::candidate::{Candidate, SCOUT_NODES, Way, candidates, published};
 use super::cluster::BaseVertices;
 use super::greedy::{Greedy, greedy};
 use super::guided::guided;
@@ -63,6 +63,12 @@ pub fn layouts(meshes: [&TriMesh; 2], sets: &[BaseVertices], edge_nodes: u32, ke
     let total = |l: &Layout| l.lengths[0] / units[0] + l.lengths[1] / units[1];
     layouts.sort_by(|a, b| total(a).total_cmp(&total(b)));
     Ok(layouts)
+}
+
+/// Lays out both meshes in the one way that VORONOI describes.
+pub fn published_layout(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Result<Layout> {
+    let candidate = published(meshes, set, edge_nodes)?;
+    finish(meshes, candidate.keep(meshes, set.lasting)?, edge_nodes)
 }
 
 /// Lays out both meshes along the path hypotheses of a rough map (HYPOTHESIS 3).

@@ -3,6 +3,7 @@
 use super::trace::{Link, Traced};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId};
 use crate::path::cluster::Clusters;
+use std::cmp::Ordering;
 
 /// A rule that sorts the arcs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,7 +34,7 @@ pub fn arrange(order: Order, source: &Traced, target: &Clusters, length: &IdVec<
             let reach = outwardness(source, length);
             let outer = |a: ArcId| source.base.arcs[a].map(|l| reach[l]).into_iter().fold(0.0, f64::max);
             arcs.sort_by(|&a, &b| {
-                tree[b].cmp(&tree[a]).then(if tree[a] { outer(b).total_cmp(&outer(a)) } else { a.cmp(&a) })
+                tree[b].cmp(&tree[a]).then(if tree[a] { outer(b).total_cmp(&outer(a)) } else { Ordering::Equal })
             });
         }
     }
