@@ -14,18 +14,21 @@
 //!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check, path::handedness
 //!        |            from here on in canonical order                 mesh::canonical
 //!        | cluster    the landmarks' surface Voronoi cells             path::front, path::cluster
-//!        | trace      arcs on one mesh, carried over to the other      path::search, path::region
+//!        | trace      arcs on one mesh, carried over to the other,     path::search, path::region
+//!        |            or laid on both, led by a rough map              stage::growth, stage::hypothesis
 //!        v
 //!      Layout         one base complex, two cut meshes
 //!        | embed      every patch into its base triangle               plane::convex
 //!        | stretch    all patches at once, on the compute device       kernel, gpu
-//!        | relax      across the arcs, which move with it,             plane::domain, plane::thin, plane::hierarchy, plane::smooth
+//!        | relax      across the arcs, which move with it and flip,    plane::domain, plane::thin, plane::hierarchy, plane::smooth
+//!        |            single moves of all domains on the device,       kernel::sweep_batch
 //!        |            then the compatible meshes themselves            plane::polish
 //!        v
 //!     Embedding       source patches -> base complex <- target patches
 //!        | compose    follow it through; certify                       map::surface_map, map::certificate
 //!        v
 //!    SurfaceMap       for every vertex a face of the other mesh and barycentric coordinates
+//!        | refine     vertices where compatible meshes miss, if wanted mesh::subdivision, mesh::salience, map::lift
 //!        | bake       sample both meshes over one atlas                map::atlas, kernel::resample
 //!        |            from here on in the files' order
 //!        | write      a folder that appears complete or not at all     map::report
@@ -73,6 +76,7 @@
 //! | guide | a closed curve of a hint; arcs along it are given, and move later |
 //! | layout | the base complex and its arcs on both meshes |
 //! | region | what arcs leave connected |
+//! | rough map | the source draped over the target before there is a layout; path hypotheses come from it |
 //! | patch | a disc bounded by three arcs: the image of a triangle of the base complex |
 //! | cut mesh | a mesh refined so that arcs run along its edges; every vertex knows its place on the original |
 //! | dividing edge | an inner edge between two vertices of one side of a patch; it is split |
@@ -100,8 +104,8 @@
 //!
 //! - VORONOI: Kwok, Zhang, Wang, "Constructing common base domain by cues from Voronoi diagram": clusters, cuts, edge
 //!   nodes, the order of arcs.
-//! - HYPOTHESIS: Pan, Wu, Pan, Yang, "A novel scheme for efficient cross-parameterization": swirls, relaxation in the
-//!   quad of two patches.
+//! - HYPOTHESIS: Pan, Wu, Pan, Yang, "A novel scheme for efficient cross-parameterization": swirls, path hypotheses,
+//!   relaxation in the quad of two patches, active refinement.
 //! - Kraevoy, Sheffer, "Cross-parameterization and compatible remeshing of 3D models" (2004), and Praun, Sweldens,
 //!   Schröder, "Consistent mesh parameterizations" (2001): maps through a common base complex.
 //! - Floater, "Mean value coordinates" (2003), and Tutte, "How to draw a graph" (1963): embeddings by positive weights.

@@ -150,7 +150,7 @@ pub struct MapFlags {
     #[arg(long, default_value = "full", value_name = "METHOD")]
     pub relax: RelaxChoice,
     /// Relaxation ends when a round lowers the energy, less that of an isometry, by less than this share; 0 runs all rounds
-    #[arg(long, default_value = "0.05", value_name = "SHARE", value_parser = share)]
+    #[arg(long, default_value = "0.01", value_name = "SHARE", value_parser = share)]
     pub tolerance: f64,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images
     #[arg(long, default_value = "65", value_name = "N", value_parser = image_size)]

@@ -78,7 +78,7 @@ pub struct MapOptions {
     /// How far the distortion is lowered; default: across the arcs.
     pub relax: Relaxation,
     /// Rounds of relaxation go on until one lowers the energy, less that of an isometry, by less than this share.
-    /// Default 0.05.
+    /// Default 0.01.
     pub tolerance: f64,
     /// Active refinement of the compatible meshes; default: none, exactly the input's vertices and faces.
     pub refine: Option<RefineOptions>,

@@ -61,7 +61,7 @@ pub struct RelaxOptions {
 
 impl Default for RelaxOptions {
     fn default() -> Self {
-        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.05, flips: true }
+        RelaxOptions { coarse_rounds: 3, fine_rounds: 3, tolerance: 0.01, flips: true }
     }
 }
 
