@@ -3,9 +3,9 @@
 use super::cut_mesh::CutMesh;
 use super::search::Terminal;
 use crate::mesh::{FaceId, IdVec, corner, face_of};
+use crate::solve::nearest::Nearest;
 use glam::DVec3;
 use rayon::prelude::*;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// The distance between every two corners of a region, in mesh units, along the centroids of faces: a little more than
@@ -26,32 +26,15 @@ pub fn corner_distances(cut: &CutMesh, corners: &[Terminal]) -> Vec<Vec<f64>> {
     ends.par_iter().map(from).collect()
 }
 
-#[derive(PartialEq)]
-struct Open(f64, FaceId);
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 /// The distance of every face's centroid from a start, crossing no arc.
 fn spread(cut: &CutMesh, centroids: &IdVec<FaceId, DVec3>, start: &[(FaceId, f64)]) -> IdVec<FaceId, f64> {
     let mut distance = IdVec::filled(f64::INFINITY, centroids.len());
-    let mut queue: BinaryHeap<Open> = BinaryHeap::new();
+    let mut queue: BinaryHeap<Nearest<FaceId>> = BinaryHeap::new();
     for &(f, d) in start {
         distance[f] = d;
-        queue.push(Open(d, f));
+        queue.push(Nearest(d, f));
     }
-    while let Some(Open(d, f)) = queue.pop() {
+    while let Some(Nearest(d, f)) = queue.pop() {
         if d > distance[f] {
             continue;
         }
@@ -60,7 +43,7 @@ fn spread(cut: &CutMesh, centroids: &IdVec<FaceId, DVec3>, start: &[(FaceId, f64
             let length = d + centroids[f].distance(centroids[g]);
             if length < distance[g] {
                 distance[g] = length;
-                queue.push(Open(length, g));
+                queue.push(Nearest(length, g));
             }
         }
     }

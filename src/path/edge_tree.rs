@@ -1,7 +1,7 @@
 //! Shortest paths along the edges of a mesh.
 
 use crate::mesh::{IdVec, TriMesh, VertexId};
-use std::cmp::Ordering;
+use crate::solve::nearest::Nearest;
 use std::collections::BinaryHeap;
 
 /// The shortest edge paths from some vertices to all others.
@@ -13,24 +13,6 @@ pub struct EdgeTree {
     parent: IdVec<VertexId, Option<VertexId>>,
 }
 
-/// The shortest comes first, ties go to the lower vertex.
-#[derive(PartialEq)]
-struct Open(f64, VertexId);
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
 impl EdgeTree {
     /// Grows paths from `starts`, no longer than `limit`; `step` is the length of the edge between two vertices.
     pub fn grow(mesh: &TriMesh, starts: &[VertexId], limit: f64, step: impl Fn(VertexId, VertexId) -> f64) -> Self {
@@ -39,9 +21,9 @@ impl EdgeTree {
         let mut queue = BinaryHeap::new();
         for &v in starts {
             tree.length[v] = 0.0;
-            queue.push(Open(0.0, v));
+            queue.push(Nearest(0.0, v));
         }
-        while let Some(Open(length, v)) = queue.pop() {
+        while let Some(Nearest(length, v)) = queue.pop() {
             if length > tree.length[v] {
                 continue;
             }
@@ -51,7 +33,7 @@ impl EdgeTree {
                     if through < tree.length[w] && through <= limit {
                         tree.length[w] = through;
                         tree.parent[w] = Some(v);
-                        queue.push(Open(through, w));
+                        queue.push(Nearest(through, w));
                     }
                 }
             }

@@ -1,7 +1,8 @@
-//! Solvers: colouring, the energy of mapped triangles, least-squares meshes, matchings, warps.
+//! Solvers: colouring, the energy of mapped triangles, least-squares meshes, matchings, queues, warps.
 
 pub mod coloring;
 pub mod dirichlet;
 pub mod least_squares_mesh;
 pub mod matching;
+pub mod nearest;
 pub mod warp;

@@ -17,29 +17,11 @@ use crate::mesh::{HalfedgeId, LandmarkId, TriMesh};
 use crate::path::network::{Corner, terminal};
 use crate::path::region::{Regions, base_complex};
 use crate::path::search::{Anywhere, Passage, Path, Terminal};
-use std::cmp::Ordering;
+use crate::solve::nearest::Nearest;
 use std::collections::BinaryHeap;
 
 /// A path that is longer than before by less than this share has not changed.
 const SAME: f64 = 1e-9;
-
-/// A pair of landmarks in the queue; the shortest comes first.
-#[derive(PartialEq)]
-struct Open(f64, [LandmarkId; 2]);
-
-impl Eq for Open {}
-
-impl Ord for Open {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1))
-    }
-}
-
-impl PartialOrd for Open {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
 
 /// Keeps a path on edges.
 struct AlongEdges;
@@ -81,13 +63,13 @@ fn add_paths(growth: &mut Growth, passage: &dyn Passage) -> Result<()> {
     for pair in (0..count).flat_map(|a| (a + 1..count).map(move |b| [LandmarkId(a), LandmarkId(b)])) {
         let is_joined = growth.arcs.iter().any(|&[a, b]| pair == [a, b] || pair == [b, a]);
         if let Some((length, _)) = (!is_joined).then(|| both_paths(growth, pair, passage)).flatten() {
-            queue.push(Open(length, pair));
+            queue.push(Nearest(length, pair));
         }
     }
-    while let Some(Open(length, pair)) = queue.pop() {
+    while let Some(Nearest(length, pair)) = queue.pop() {
         let Some((now, paths)) = both_paths(growth, pair, passage) else { continue };
         if now > length * (1.0 + SAME) {
-            queue.push(Open(now, pair));
+            queue.push(Nearest(now, pair));
         } else {
             growth.lay_if_alike(pair, &paths)?;
         }
