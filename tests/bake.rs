@@ -8,7 +8,7 @@ use homeo::map::atlas::{Atlas, BaseSample};
 use homeo::map::base_complex::BaseComplex;
 use homeo::map::tile_table::TileTable;
 use homeo::mesh::{ArcId, FaceId, Id, IdVec, TriMesh, VertexId};
-use homeo::stage::bake::{BakedImage, Metadata, Query, Sampled, bake};
+use homeo::stage::bake::{BakedImage, Metadata, Query, Sampled, bake, encode_layered};
 use homeo::stage::exr;
 use homeo::stage::rebuild::rebuild;
 use std::io::Cursor;
@@ -96,6 +96,34 @@ fn an_image_file_alone_rebuilds_the_mesh() {
     let mesh = rebuild(&image, &atlas, &base).expect("a sound image");
     assert_eq!((mesh.conn.face_count(), mesh.genus()), (8 * 16 * 16, 0));
     assert!((mesh.volume() - 4.0 / 3.0).abs() < 1e-6);
+}
+
+#[test]
+fn a_layered_file_holds_every_image_and_shows_the_first() {
+    let base = from_triangles(6, &OCTAHEDRON);
+    let atlas = atlas_of(&base, 9);
+    let table = TileTable::new(&atlas, &base);
+    let images = baked_octahedron(&base, &atlas);
+    let bytes = encode_layered(&images, &table).expect("sound images");
+    let (file, json) = exr::read(Cursor::new(bytes)).expect("our own file");
+    let metadata: Metadata = serde_json::from_str(&json).expect("our own text");
+    assert_eq!((metadata.image.as_str(), metadata.color_interop_id.as_str()), ("geometry", "data"));
+    assert!(metadata.units.contains("stretch: ratio of lengths"), "{}", metadata.units);
+    assert_eq!(file.rgb_pixels(), images[0].image.rgb_pixels());
+    let layered = [("source.position", 0), ("source.normal", 1), ("target.position", 2), ("target.normal", 3)];
+    for (layer, i) in layered {
+        for (channel, flat) in [("X", "R"), ("Y", "G"), ("Z", "B")] {
+            let plane = file.plane(&format!("{layer}.{channel}"));
+            assert!(plane.is_some() && plane == images[i].image.plane(flat), "{layer}.{channel}");
+        }
+    }
+    for (layer, i) in [("stretch.Y", 4), ("mask.Y", 5)] {
+        assert_eq!(file.plane(layer), images[i].image.plane("Y"), "{layer}");
+    }
+    assert_eq!(file.planes.len(), 3 + 4 * 3 + 2);
+    let (atlas, base) = metadata.atlas.parts().expect("a sound table");
+    assert!((rebuild(&file, &atlas, &base).expect("watertight").volume() - 4.0 / 3.0).abs() < 1e-6);
+    assert!(encode_layered(&[], &table).is_err());
 }
 
 #[test]

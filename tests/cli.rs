@@ -102,7 +102,7 @@ fn what_comes_later_is_refused_and_says_so() {
         refuses(&[command, "some.obj", "--frames", "3"], 2, &[command, "comes with a later version"]);
     }
     let map = ["map", "a.obj", "b.obj", "--landmarks", "c.csv", "--out", "o"];
-    let flags: [&[&str]; 2] = [&["--layered"], &["--texture", "t.png"]];
+    let flags: [&[&str]; 1] = [&["--texture", "t.png"]];
     for flag in flags {
         refuses(&[&map, flag].concat(), 2, &[flag[0], "comes with a later version"]);
     }

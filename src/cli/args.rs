@@ -155,7 +155,7 @@ pub struct MapFlags {
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images
     #[arg(long, default_value = "65", value_name = "N", value_parser = image_size)]
     pub image: usize,
-    /// One layered EXR instead of one file per map (comes with a later version)
+    /// The geometry images as layers of one EXR instead of one file per map
     #[arg(long)]
     pub layered: bool,
     /// The source's colour texture, carried to the target (comes with a later version)

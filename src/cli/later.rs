@@ -21,10 +21,7 @@ pub fn refuse_command(command: &Command) -> Result<()> {
 
 /// Fails for a flag of `map` that comes later.
 pub fn refuse_flags(flags: &MapFlags) -> Result<()> {
-    let refused = [
-        (flags.layered, "--layered", "leave it out: one EXR per map is written"),
-        (flags.texture.is_some(), "--texture", "leave it out"),
-    ];
+    let refused = [(flags.texture.is_some(), "--texture", "leave it out")];
     match refused.into_iter().find(|&(is_asked_for, ..)| is_asked_for) {
         Some((_, flag, remedy)) => Err(later(flag, remedy)),
         None => Ok(()),

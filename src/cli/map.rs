@@ -48,7 +48,15 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
         salience: flags.refine_salience,
         most: flags.refine_most,
     });
-    Ok(MapOptions { layout, relax, tolerance: flags.tolerance, refine, image: flags.image, seed: global.seed })
+    Ok(MapOptions {
+        layout,
+        relax,
+        tolerance: flags.tolerance,
+        refine,
+        image: flags.image,
+        layered: flags.layered,
+        seed: global.seed,
+    })
 }
 
 /// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.

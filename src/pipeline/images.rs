@@ -10,17 +10,18 @@ use crate::map::surface_map::{Chart, SurfaceMap};
 use crate::map::tile_table::TileTable;
 use crate::mesh::{FaceId, IdVec, TriMesh, VertexId};
 use crate::path::base_complex::BaseComplex;
-use crate::stage::bake::{BakedImage, Query, Sampled, bake};
+use crate::stage::bake::{BakedImage, Query, Sampled, bake, encode_layered};
 use crate::stage::compose::Composed;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// The images with `size` samples along a tile's side; none if `size` is 0.
+/// The images with `size` samples along a tile's side, each in a file of its own unless `layered`; none if `size` is 0.
 pub fn geometry_images(
     compute: &Compute,
     meshes: [&TriMesh; 2],
     composed: &Composed,
     size: usize,
+    layered: bool,
 ) -> Result<Option<GeometryImages>> {
     if size == 0 {
         return Ok(None);
@@ -40,7 +41,11 @@ pub fn geometry_images(
     let table = TileTable::new(&atlas, base);
     let images = bake(base, &atlas, source, target, &stretch, &resample)?;
     let file = |image: &BakedImage| Ok((format!("{}.exr", image.name), image.encode(&table)?));
-    let files = images.iter().map(file).collect::<Result<_>>()?;
+    let files = if layered {
+        vec![("geometry.exr".to_string(), encode_layered(&images, &table)?)]
+    } else {
+        images.iter().map(file).collect::<Result<_>>()?
+    };
     Ok(Some(GeometryImages { table, files }))
 }
 

@@ -84,6 +84,8 @@ pub struct MapOptions {
     pub refine: Option<RefineOptions>,
     /// Samples along a geometry-image tile's side, a power of two plus one; 0: no images. Default 65.
     pub image: usize,
+    /// All geometry images as layers of one file. Default: a file for each.
+    pub layered: bool,
     /// Seed of whatever is drawn by chance. Default 0.
     pub seed: u64,
 }
@@ -96,6 +98,7 @@ impl Default for MapOptions {
             tolerance: RelaxOptions::default().tolerance,
             refine: None,
             image: 65,
+            layered: false,
             seed: 0,
         }
     }

@@ -1,6 +1,6 @@
 //! Bakes the geometry images of a finished map: position and normal of both meshes, stretch and mask over one atlas.
 
-use super::exr::{FloatImage, encode};
+use super::exr::{FloatImage, Plane, encode};
 use crate::error::{Error, Result};
 use crate::map::atlas::{Atlas, Pixel};
 use crate::map::base_complex::BaseComplex;
@@ -61,16 +61,51 @@ pub struct Metadata {
 impl BakedImage {
     /// The bytes of the image's EXR file.
     pub fn encode(&self, table: &TileTable) -> Result<Vec<u8>> {
-        let metadata = Metadata {
-            version: METADATA_VERSION,
-            image: self.name.to_string(),
-            units: self.unit.to_string(),
-            color_interop_id: "data".to_string(),
-            atlas: table.clone(),
-        };
-        let json = serde_json::to_string(&metadata).map_err(|error| Error::bug(error.to_string()))?;
-        encode(&self.image, &json)
+        encode(&self.image, &metadata(self.name, self.unit.to_string(), table)?)
     }
+
+    /// The name of the image's layer in a layered file: `source.position` for `source_position`.
+    pub fn layer(&self) -> String {
+        self.name.replace('_', ".")
+    }
+
+    /// The image's channels in a layered file: `X`, `Y`, `Z` of its layer, or `Y` alone.
+    fn planes(&self) -> impl Iterator<Item = Plane> {
+        let layer = self.layer();
+        self.image.planes.iter().map(move |plane| {
+            let channel = match plane.name.as_str() {
+                "R" => "X",
+                "B" => "Z",
+                _ => "Y",
+            };
+            Plane { name: format!("{layer}.{channel}"), values: plane.values.clone() }
+        })
+    }
+}
+
+/// The bytes of one EXR file with all images as layers; its `R`, `G` and `B` show the first image.
+///
+/// # Errors
+/// Bug, if there are no images or they differ in size.
+pub fn encode_layered(images: &[BakedImage], table: &TileTable) -> Result<Vec<u8>> {
+    let first = images.first().ok_or_else(|| Error::bug("no images to write"))?;
+    let mut planes: Vec<Plane> = first.image.planes.clone();
+    planes.extend(images.iter().flat_map(BakedImage::planes));
+    planes.sort_by(|a, b| a.name.cmp(&b.name));
+    let units: Vec<String> = images.iter().map(|image| format!("{}: {}", image.layer(), image.unit)).collect();
+    let image = FloatImage { width: first.image.width, height: first.image.height, planes };
+    encode(&image, &metadata("geometry", units.join("; "), table)?)
+}
+
+fn metadata(image: &str, units: String, table: &TileTable) -> Result<String> {
+    let metadata = Metadata {
+        version: METADATA_VERSION,
+        image: image.to_string(),
+        units,
+        color_interop_id: "data".to_string(),
+        atlas: table.clone(),
+    };
+    serde_json::to_string(&metadata).map_err(|error| Error::bug(error.to_string()))
 }
 
 /// Bakes six images over `atlas`: both positions, both normals, the map's stretch on the source, and the mask.
