@@ -226,7 +226,10 @@ pub(super) fn thin_domains(meshes: [&TriMesh; 2], embedding: &Embedding, whole: 
     [thin(0, source), thin(1, target)]
 }
 
-/// Relaxes domains that share no patch; also returns by which share of what there was to gain the energy of each fell.
+/// Both meshes' parts of a domain after a visit, and by which share of what there was to gain its energy fell.
+type Visited = ([Relaxed; 2], f64);
+
+/// Relaxes domains that share no patch; none for those whose energy did not fall.
 fn relax_domains(
     compute: &Compute,
     meshes: [&TriMesh; 2],
@@ -234,7 +237,7 @@ fn relax_domains(
     due: &[&Tiling],
     scale: [f64; 2],
     how: Visit,
-) -> Result<Vec<Option<([Relaxed; 2], f64)>>> {
+) -> Result<Vec<Option<Visited>>> {
     let start = |tiling: &&Tiling| {
         let whole = domains(embedding, tiling, scale);
         let isometry = 0.5 * (whole[0].area() + whole[1].area());
@@ -255,11 +258,7 @@ fn relax_domains(
 
 /// Relaxes a domain by the gradient of its energy and reads off the arcs; none where it does not fall below what it was
 /// before.
-fn relax_exactly(
-    tiling: &Tiling,
-    [before, isometry]: [f64; 2],
-    mut domains: [Domain; 2],
-) -> Option<([Relaxed; 2], f64)> {
+fn relax_exactly(tiling: &Tiling, [before, isometry]: [f64; 2], mut domains: [Domain; 2]) -> Option<Visited> {
     for _ in 0..DESCENTS {
         follow_gradient(&mut domains);
     }
