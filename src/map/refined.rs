@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// A mesh with vertices appended.
 #[derive(Clone, Debug)]
 pub struct RefinedMesh {
-    /// What a file of it holds.
+    /// What a file of it holds; normals are those of the original corners, and are made anew when it is written.
     pub file: MeshFile,
     /// The same as an oriented manifold.
     pub mesh: TriMesh,
@@ -46,7 +46,7 @@ pub fn refined_mesh(
         warnings: file.warnings.clone(),
         ..MeshFile::default()
     };
-    let mut work = Work { file, onto, subdivision, known: HashMap::new(), known_normals: HashMap::new() };
+    let mut work = Work { file, onto, subdivision, known: HashMap::new() };
     let (mut faces, mut still_omitted) = (Vec::new(), Vec::new());
     let mut statements = file.statements.iter().peekable();
     let (mut number, mut next_mesh_face, mut refined_number) = (0usize, 0usize, 0usize);
@@ -54,7 +54,7 @@ pub fn refined_mesh(
         while let Some(statement) = statements.next_if(|s| s.polygon <= p) {
             refined.statements.push(Statement { polygon: refined.polygon_count(), ..statement.clone() });
         }
-        let corners: Vec<[usize; 3]> = fan(file, p);
+        let corners: Vec<[usize; 3]> = file.polygon_triangles(p).collect();
         let mut parts: Vec<Vec<Part>> = Vec::with_capacity(corners.len());
         for t in &corners {
             let f = FaceId::new(number);
@@ -90,12 +90,6 @@ pub fn refined_mesh(
     Ok(RefinedMesh { file: refined, mesh, omitted: still_omitted, images })
 }
 
-/// The triangles of a polygon by corner numbers.
-fn fan(file: &MeshFile, p: usize) -> Vec<[usize; 3]> {
-    let corners = file.polygon(p);
-    (corners.start + 1..corners.end - 1).map(|j| [corners.start, j, j + 1]).collect()
-}
-
 /// A triangle to be written.
 #[derive(Clone, Copy)]
 enum Part {
@@ -105,15 +99,12 @@ enum Part {
     Of(FaceId, u32, [usize; 3]),
 }
 
-/// A vertex and the bits of a value at one of its corners.
-type Key<const N: usize> = (u32, [u64; N]);
-
 struct Work<'a, 'm> {
     file: &'a MeshFile,
     onto: Onto<'a>,
     subdivision: &'a Subdivision<'m>,
-    known: HashMap<Key<2>, u32>,
-    known_normals: HashMap<Key<3>, u32>,
+    /// The texture coordinates made so far, by vertex and bits.
+    known: HashMap<(u32, [u64; 2]), u32>,
 }
 
 impl Work<'_, '_> {
@@ -122,9 +113,6 @@ impl Work<'_, '_> {
         refined.push_polygon(corners.iter().map(|&c| self.file.corners[c].0));
         if !self.file.uv.corners.is_empty() {
             refined.uv.corners.extend(corners.iter().map(|&c| self.file.uv.corners[c]));
-        }
-        if !self.file.normals.corners.is_empty() {
-            refined.normals.corners.extend(corners.iter().map(|&c| self.file.normals.corners[c]));
         }
     }
 
@@ -145,28 +133,14 @@ impl Work<'_, '_> {
                 let index = match whole.iter().position(|w| w.0 == v) {
                     Some(i) => self.file.uv.corners[corners[i]],
                     None => {
-                        let value = mixed(&self.file.uv, corners, whole, shares, DVec2::ZERO);
-                        value.map_or(NO_INDEX, |uv: DVec2| {
+                        let value = mixed(&self.file.uv, corners, whole, shares);
+                        value.map_or(NO_INDEX, |uv| {
                             let key = (v, uv.to_array().map(f64::to_bits));
                             *self.known.entry(key).or_insert_with(|| push(&mut refined.uv.values, uv))
                         })
                     }
                 };
                 refined.uv.corners.push(index);
-            }
-            if !self.file.normals.corners.is_empty() {
-                let index = match whole.iter().position(|w| w.0 == v) {
-                    Some(i) => self.file.normals.corners[corners[i]],
-                    None => {
-                        let value = mixed(&self.file.normals, corners, whole, shares, DVec3::ZERO);
-                        value.map_or(NO_INDEX, |normal: DVec3| {
-                            let normal = normal.normalize_or_zero();
-                            let key = (v, normal.to_array().map(f64::to_bits));
-                            *self.known_normals.entry(key).or_insert_with(|| push(&mut refined.normals.values, normal))
-                        })
-                    }
-                };
-                refined.normals.corners.push(index);
             }
         }
     }
@@ -185,22 +159,19 @@ impl Work<'_, '_> {
     }
 }
 
-fn push<T>(values: &mut Vec<T>, value: T) -> u32 {
+fn push(values: &mut Vec<DVec2>, value: DVec2) -> u32 {
     values.push(value);
     values.len() as u32 - 1
 }
 
-/// The value between the corners of a triangle; summed in order of vertices, so that both triangles at an edge get the same
-/// bits. None if a corner has none.
-fn mixed<T>(attribute: &Attribute<T>, corners: [usize; 3], whole: [VertexId; 3], shares: [f64; 3], zero: T) -> Option<T>
-where
-    T: Copy + std::ops::Add<Output = T> + std::ops::Mul<f64, Output = T>,
-{
+/// Texture coordinates between the corners of a triangle; summed in order of vertices, so that both triangles at an edge
+/// get the same bits. None if a corner has none.
+fn mixed(uv: &Attribute<DVec2>, corners: [usize; 3], whole: [VertexId; 3], shares: [f64; 3]) -> Option<DVec2> {
     let mut order = [0, 1, 2];
     order.sort_by_key(|&i| whole[i]);
-    let mut sum = zero;
+    let mut sum = DVec2::ZERO;
     for i in order {
-        sum = sum + attribute.at(corners[i])? * shares[i];
+        sum += uv.at(corners[i])? * shares[i];
     }
     Some(sum)
 }

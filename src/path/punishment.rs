@@ -5,7 +5,7 @@
 
 use super::cut_mesh::CutMesh;
 use super::edge_tree::EdgeTree;
-use super::search::Passage;
+use super::search::{Bounds, Passage};
 use crate::mesh::{FaceId, TriMesh, VertexId, face_of};
 use std::collections::HashMap;
 
@@ -32,15 +32,16 @@ impl Punishment {
         }
         Punishment { weight }
     }
+}
 
-    /// The field on a cut mesh.
-    pub fn on<'a>(&'a self, cut: &'a CutMesh) -> Near<'a> {
-        Near { punishment: self, cut }
+impl Bounds for Punishment {
+    fn on<'a>(&'a self, cut: &'a CutMesh) -> Box<dyn Passage + 'a> {
+        Box::new(Near { punishment: self, cut })
     }
 }
 
 /// Keeps a path near its hypothesis.
-pub struct Near<'a> {
+struct Near<'a> {
     punishment: &'a Punishment,
     cut: &'a CutMesh,
 }

@@ -103,8 +103,20 @@ pub trait Passage {
     }
 }
 
+/// Where paths may pass on a mesh, however it is cut.
+pub trait Bounds {
+    /// The same on a cut mesh.
+    fn on<'a>(&'a self, cut: &'a CutMesh) -> Box<dyn Passage + 'a>;
+}
+
 /// No restriction beyond the arcs.
 pub struct Anywhere;
+
+impl Bounds for Anywhere {
+    fn on<'a>(&'a self, _: &'a CutMesh) -> Box<dyn Passage + 'a> {
+        Box::new(Anywhere)
+    }
+}
 
 impl Passage for Anywhere {}
 

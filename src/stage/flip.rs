@@ -6,6 +6,7 @@
 //! that it leads to: the stars of the four base vertices at the quad are relaxed with the flip and without. Invariant:
 //! every patch stays embedded, and no flip is kept that leads to more energy than there would be without.
 
+use super::levels::CRUSHED;
 use super::relax::{SNAPS, domains, patch_energies, relax_stars, thin_domains, unit_scale};
 use crate::error::Result;
 use crate::gpu::Compute;
@@ -24,9 +25,7 @@ use std::collections::BTreeSet;
 /// A flip is looked into if it makes the arc shorter than this share of its length, on both meshes together: where layouts
 /// are good, longer ones hardly ever lead to less energy.
 const SHORTER: f64 = 0.95;
-/// Where a quad has more than this many times the energy of an isometry,
-const CRUSHED: f64 = 3.0;
-/// it is looked into up to this length.
+/// Where a quad is crushed it is looked into up to this length.
 const LONGEST_WHERE_CRUSHED: f64 = 1.5;
 /// Rounds of flips; in one round no two flips concern the same base vertex.
 const ROUNDS: usize = 4;

@@ -9,14 +9,15 @@
 //! V. Kraevoy, A. Sheffer, "Cross-parameterization and compatible remeshing of 3D models", 2004.
 
 use super::cluster::BaseVertices;
-use super::growth::{Growth, corners_of};
+use super::growth::Growth;
 use super::joint::Grown;
 use super::trace::{diagonals, joins, parts};
 use crate::error::Result;
 use crate::mesh::{HalfedgeId, LandmarkId, TriMesh};
-use crate::path::network::{Corner, terminal};
+use crate::path::cut_mesh::CutMesh;
+use crate::path::network::Corner;
 use crate::path::region::{Regions, base_complex};
-use crate::path::search::{Anywhere, Passage, Path, Terminal};
+use crate::path::search::{Anywhere, Bounds, Passage, Path};
 use crate::solve::nearest::Nearest;
 use std::collections::BinaryHeap;
 
@@ -29,6 +30,12 @@ struct AlongEdges;
 impl Passage for AlongEdges {
     fn edge(&self, _: HalfedgeId) -> bool {
         false
+    }
+}
+
+impl Bounds for AlongEdges {
+    fn on<'a>(&'a self, _: &'a CutMesh) -> Box<dyn Passage + 'a> {
+        Box::new(AlongEdges)
     }
 }
 
@@ -45,8 +52,8 @@ pub fn greedy(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Res
     let base = set.vertices.each_ref().map(Vec::as_slice);
     let mut growth = Growth::new(meshes, base, edge_nodes, 0);
     growth.lay_given(&set.given)?;
-    for passage in [&AlongEdges as &dyn Passage, &Anywhere] {
-        add_paths(&mut growth, passage)?;
+    for bounds in [&AlongEdges as &dyn Bounds, &Anywhere] {
+        add_paths(&mut growth, bounds)?;
     }
     if let Some(pair) = missing(&growth) {
         return Ok(Greedy::Stuck(pair));
@@ -57,17 +64,17 @@ pub fn greedy(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Res
 }
 
 /// Adds all paths that agree, the shortest first.
-fn add_paths(growth: &mut Growth, passage: &dyn Passage) -> Result<()> {
+fn add_paths(growth: &mut Growth, bounds: &dyn Bounds) -> Result<()> {
     let count = growth.halves[0].cut.landmarks.len() as u32;
     let mut queue = BinaryHeap::new();
     for pair in (0..count).flat_map(|a| (a + 1..count).map(move |b| [LandmarkId(a), LandmarkId(b)])) {
         let is_joined = growth.arcs.iter().any(|&[a, b]| pair == [a, b] || pair == [b, a]);
-        if let Some((length, _)) = (!is_joined).then(|| both_paths(growth, pair, passage)).flatten() {
+        if let Some((length, _)) = (!is_joined).then(|| both_paths(growth, pair, bounds)).flatten() {
             queue.push(Nearest(length, pair));
         }
     }
     while let Some(Nearest(length, pair)) = queue.pop() {
-        let Some((now, paths)) = both_paths(growth, pair, passage) else { continue };
+        let Some((now, paths)) = both_paths(growth, pair, bounds) else { continue };
         if now > length * (1.0 + SAME) {
             queue.push(Nearest(now, pair));
         } else {
@@ -79,24 +86,13 @@ fn add_paths(growth: &mut Growth, passage: &dyn Passage) -> Result<()> {
 
 /// Paths between the same corners on both meshes, and their length together: the corners are those of the shortest path
 /// of one of them.
-fn both_paths(growth: &mut Growth, ends: [LandmarkId; 2], passage: &dyn Passage) -> Option<(f64, [Path; 2])> {
-    let mut best: Option<(f64, [Path; 2])> = None;
-    for first in 0..2 {
-        let half = &mut growth.halves[first];
-        let whole = ends.map(|l| Terminal::whole(&half.cut, half.cut.landmarks[l]));
-        let one = half.searcher.shortest(&half.cut, &whole[0], &whole[1], passage)?;
-        let corners: [Corner; 2] = corners_of(&half.cut, &one)?;
-        let unit = half.unit;
-        let half = &mut growth.halves[1 - first];
-        let [start, goal] = corners.map(|c| terminal(&half.cut, c, &|_| true).ok());
-        let (Some(start), Some(goal)) = (start, goal) else { continue };
-        let Some(other) = half.searcher.shortest(&half.cut, &start, &goal, passage) else { continue };
-        let length = one.length / unit + other.length / half.unit;
-        if best.as_ref().is_none_or(|(least, _)| length < *least) {
-            best = Some((length, if first == 0 { [one, other] } else { [other, one] }));
-        }
-    }
-    best
+fn both_paths(growth: &mut Growth, ends: [LandmarkId; 2], bounds: &dyn Bounds) -> Option<(f64, [Path; 2])> {
+    let units = growth.halves.each_ref().map(|half| half.unit);
+    let measured = |first: usize| {
+        let paths = growth.paths_alike(ends, first, [bounds; 2])?;
+        Some((paths[0].length / units[0] + paths[1].length / units[1], paths))
+    };
+    (0..2).filter_map(measured).min_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 /// Two landmarks between which an arc is missing; none if the layout is complete.

@@ -14,7 +14,7 @@ use crate::path::handle::lay_across_handle;
 use crate::path::network::{Corner, connect, embed, rotation, sectors, terminal};
 use crate::path::rebuild::Upkeep;
 use crate::path::region::Regions;
-use crate::path::search::{Path, Searcher, Terminal};
+use crate::path::search::{Bounds, Path, Searcher, Terminal};
 use crate::path::side::{Explorer, Side};
 
 /// One mesh and its share of the layout.
@@ -66,6 +66,19 @@ impl<'a> Growth<'a> {
             other.lay(&mut self.halves[1].cut, arc);
         }
         Ok(())
+    }
+
+    /// The shortest path between two landmarks on mesh `first`, and that on the other mesh between the same corners;
+    /// `bounds` say where paths may run on either. None if one of them has no way.
+    pub fn paths_alike(&mut self, ends: [LandmarkId; 2], first: usize, bounds: [&dyn Bounds; 2]) -> Option<[Path; 2]> {
+        let half = &mut self.halves[first];
+        let [start, goal] = ends.map(|l| Terminal::whole(&half.cut, half.cut.landmarks[l]));
+        let one = half.searcher.shortest(&half.cut, &start, &goal, &*bounds[first].on(&half.cut))?;
+        let corners = corners_of(&half.cut, &one)?;
+        let half = &mut self.halves[1 - first];
+        let [start, goal] = corners.map(|c| terminal(&half.cut, c, &|_| true).ok());
+        let other = half.searcher.shortest(&half.cut, &start?, &goal?, &*bounds[1 - first].on(&half.cut))?;
+        Some(if first == 0 { [one, other] } else { [other, one] })
     }
 
     /// Lays an arc along a path on either mesh if both separate the same from the rest, or neither separates anything;

@@ -6,15 +6,14 @@
 //! other. What no hypothesis leads to is completed by arcs that can never get stuck. Invariant: that of a growth.
 
 use super::cluster::BaseVertices;
-use super::growth::{Growth, corners_of};
+use super::growth::Growth;
 use super::hypothesis::{PathHypothesis, Rough, path_hypotheses};
 use super::joint::Grown;
 use crate::error::Result;
-use crate::mesh::{LandmarkId, TriMesh};
-use crate::path::network::{Corner, terminal};
+use crate::mesh::TriMesh;
 use crate::path::punishment::Punishment;
 use crate::path::region::base_complex;
-use crate::path::search::{Path, Terminal};
+use crate::path::search::Bounds;
 
 /// An arc longer than its hypothesis by this factor on both meshes swirls (HYPOTHESIS 3.2: k = 1.5); then by the next.
 const SWIRL: [f64; 2] = [1.5, 3.0];
@@ -73,23 +72,12 @@ fn try_hypothesis(growth: &mut Growth, path: &PathHypothesis, limit: f64, edges:
         let reach = REACH_ALONG * path.lengths[k] + REACH_EDGES * edges[k];
         Punishment::around(growth.halves[k].mesh, &path.vertices[k], reach)
     });
-    let paths = [0, 1].into_iter().find_map(|first| both_paths(growth, path.ends, &fields, first));
+    let bounds = [0, 1].map(|k| &fields[k] as &dyn Bounds);
+    let paths = [0, 1].into_iter().find_map(|first| growth.paths_alike(path.ends, first, bounds));
     let Some(paths) = paths else { return Ok(Outcome::Refused) };
     let swirls = (0..2).all(|k| paths[k].true_length(&growth.halves[k].cut) > limit * path.lengths[k]);
     if swirls {
         return Ok(Outcome::PutOff);
     }
     Ok(if growth.lay_if_alike(path.ends, &paths)? { Outcome::Laid } else { Outcome::Refused })
-}
-
-/// The path on mesh `first`, and the one on the other mesh between the same corners.
-fn both_paths(growth: &mut Growth, ends: [LandmarkId; 2], fields: &[Punishment; 2], first: usize) -> Option<[Path; 2]> {
-    let half = &mut growth.halves[first];
-    let whole = ends.map(|l| Terminal::whole(&half.cut, half.cut.landmarks[l]));
-    let one = half.searcher.shortest(&half.cut, &whole[0], &whole[1], &fields[first].on(&half.cut))?;
-    let corners: [Corner; 2] = corners_of(&half.cut, &one)?;
-    let half = &mut growth.halves[1 - first];
-    let [start, goal] = corners.map(|c| terminal(&half.cut, c, &|_| true).ok());
-    let other = half.searcher.shortest(&half.cut, &start?, &goal?, &fields[1 - first].on(&half.cut))?;
-    Some(if first == 0 { [one, other] } else { [other, one] })
 }

@@ -28,7 +28,7 @@ const SETTLED: f64 = 0.02;
 /// triangles see at their middles is too rough for them.
 const NEWTON_UP_TO: usize = 300;
 /// A domain with more than this many times the energy of an isometry is crushed somewhere.
-const CRUSHED: f64 = 3.0;
+pub(super) const CRUSHED: f64 = 3.0;
 /// There Newton steps are made up to so many vertices: single moves unfold too little.
 const NEWTON_WHERE_CRUSHED: usize = 1500;
 /// From level to level the vertices grow by this factor at least: with more, vertices come back too crowded to sort out.

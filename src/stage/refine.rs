@@ -40,7 +40,7 @@ impl Default for RefineOptions {
 pub struct Refinement<'m> {
     /// The finer mesh over the old one.
     pub subdivision: Subdivision<'m>,
-    /// Where every vertex lies on the other mesh, the inserted ones at vertices of it.
+    /// Where every vertex lies on the other mesh.
     pub images: IdVec<VertexId, Option<SurfacePoint>>,
     /// Vertices inserted for features, and for the profile.
     pub inserted: [usize; 2],

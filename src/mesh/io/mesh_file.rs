@@ -125,10 +125,13 @@ impl MeshFile {
 
     /// The corner numbers of every triangle, with which its attributes are found.
     pub fn triangle_corners(&self) -> impl Iterator<Item = [usize; 3]> {
-        (0..self.polygon_count()).flat_map(|p| {
-            let corners = self.polygon(p);
-            (corners.start + 1..corners.end - 1).map(move |j| [corners.start, j, j + 1])
-        })
+        (0..self.polygon_count()).flat_map(|p| self.polygon_triangles(p))
+    }
+
+    /// The corner numbers of a polygon's triangles.
+    pub fn polygon_triangles(&self, p: usize) -> impl Iterator<Item = [usize; 3]> + use<> {
+        let corners = self.polygon(p);
+        (corners.start + 1..corners.end - 1).map(move |j| [corners.start, j, j + 1])
     }
 
     /// The polygon of every triangle.
