@@ -103,8 +103,8 @@ impl<'m> Subdivision<'m> {
     }
 
     /// Inserts a vertex; `images` also gives that of the vertex that will be the next. Returns the triangles that changed,
-    /// none if there is a vertex already, the point is on no face, or slivers would come of it here; and, if that is
-    /// `careful`, where triangles would turn over or become slivers on the other mesh.
+    /// none if there is a vertex already or the point is on no face; and, if that is `careful`, where triangles would turn over
+    /// or become slivers.
     pub fn insert(&mut self, point: SurfacePoint, images: Images, careful: bool) -> Vec<u32> {
         let Some((t, weights)) = self.locate(point) else { return Vec::new() };
         let near: Vec<usize> = (0..3).filter(|&i| weights[i] < ON_EDGE).collect();
@@ -113,7 +113,7 @@ impl<'m> Subdivision<'m> {
             &[i] => Some((i + 1) % 3),
             _ => return Vec::new(),
         };
-        if !self.has_room(t, side, point, images, careful) {
+        if careful && !self.has_room(t, side, point, images) {
             return Vec::new();
         }
         let mut changed = match side {
@@ -124,9 +124,8 @@ impl<'m> Subdivision<'m> {
         changed
     }
 
-    /// True if a vertex in a triangle, or on a side of it, leaves no slivers around it here; and, if that is `careful`, none
-    /// on the other mesh and no triangle turned over there.
-    fn has_room(&self, t: u32, side: Option<usize>, point: SurfacePoint, images: Images, careful: bool) -> bool {
+    /// True if a vertex in a triangle, or on a side of it, leaves the triangles around it upright and no slivers.
+    fn has_room(&self, t: u32, side: Option<usize>, point: SurfacePoint, images: Images) -> bool {
         let new = self.places.len() as u32;
         let corners = self.triangles[t as usize];
         let around = |side: usize| {
@@ -143,8 +142,6 @@ impl<'m> Subdivision<'m> {
         };
         let after: Vec<[u32; 3]> = before.iter().flat_map(split).collect();
         let here = |v: u32| if v == new { point.position(self.mesh) } else { self.position(v) };
-        let own = |v: u32| Image { point: here(v), normal: DVec3::ZERO };
-        let images: Images = if careful { images } else { &own };
         let [old, least] = [&before, &after].map(|triangles| least_angle(triangles, &here, images));
         least > LEAST_ANGLE || least >= old
     }
