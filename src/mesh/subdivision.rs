@@ -12,6 +12,8 @@ use std::collections::HashMap;
 const ON_EDGE: f64 = 1e-9;
 /// Flipped triangles have at least this share of the area of their face.
 const LEAST_SHARE: f64 = 1e-6;
+/// No vertex and no flip leaves a smaller angle than this, in radians, on the mesh itself: below it a triangle has no area.
+const HAIR: f64 = 1e-5;
 /// A vertex that would leave a smaller angle than this, in radians, is not inserted unless the angles are no better already.
 const LEAST_ANGLE: f64 = 0.005;
 /// A flip must make the smallest angle larger by so many radians, so that flips end.
@@ -103,8 +105,8 @@ impl<'m> Subdivision<'m> {
     }
 
     /// Inserts a vertex; `images` also gives that of the vertex that will be the next. Returns the triangles that changed,
-    /// none if there is a vertex already or the point is on no face; and, if that is `careful`, where triangles would turn over
-    /// or become slivers.
+    /// none if there is a vertex already, the point is on no face or parts would have no area; and, if that is `careful`,
+    /// where triangles would turn over or become slivers on either mesh.
     pub fn insert(&mut self, point: SurfacePoint, images: Images, careful: bool) -> Vec<u32> {
         let Some((t, weights)) = self.locate(point) else { return Vec::new() };
         let near: Vec<usize> = (0..3).filter(|&i| weights[i] < ON_EDGE).collect();
@@ -113,7 +115,7 @@ impl<'m> Subdivision<'m> {
             &[i] => Some((i + 1) % 3),
             _ => return Vec::new(),
         };
-        if careful && !self.has_room(t, side, point, images) {
+        if !self.has_room(t, side, point, careful.then_some(images)) {
             return Vec::new();
         }
         let mut changed = match side {
@@ -124,8 +126,9 @@ impl<'m> Subdivision<'m> {
         changed
     }
 
-    /// True if a vertex in a triangle, or on a side of it, leaves the triangles around it upright and no slivers.
-    fn has_room(&self, t: u32, side: Option<usize>, point: SurfacePoint, images: Images) -> bool {
+    /// True if a vertex in a triangle, or on a side of it, leaves parts with an area; with images, also none turned over there
+    /// and no slivers on either mesh.
+    fn has_room(&self, t: u32, side: Option<usize>, point: SurfacePoint, images: Option<Images>) -> bool {
         let new = self.places.len() as u32;
         let corners = self.triangles[t as usize];
         let around = |side: usize| {
@@ -142,8 +145,12 @@ impl<'m> Subdivision<'m> {
         };
         let after: Vec<[u32; 3]> = before.iter().flat_map(split).collect();
         let here = |v: u32| if v == new { point.position(self.mesh) } else { self.position(v) };
-        let [old, least] = [&before, &after].map(|triangles| least_angle(triangles, &here, images));
-        least > LEAST_ANGLE || least >= old
+        let (limit, measure): (f64, &dyn Fn(&[[u32; 3]]) -> f64) = match images {
+            Some(images) => (LEAST_ANGLE, &|triangles| least_angle(triangles, &here, images)),
+            None => (HAIR, &|triangles| least_angle_here(triangles, &here)),
+        };
+        let least = measure(&after);
+        least > limit || least >= measure(&before)
     }
 
     fn position(&self, v: u32) -> DVec3 {
@@ -267,26 +274,33 @@ impl<'m> Subdivision<'m> {
         if !is_upright(s, q, r) || !is_upright(r, p, s) {
             return None;
         }
-        let least = |triangles: [[u32; 3]; 2]| least_angle(&triangles, &|v| self.position(v), images);
-        (least([[d, b, c], [c, a, d]]) > least([[a, b, c], [b, a, d]]) + WORTH_FLIPPING).then_some([c, d])
+        let here = |v: u32| self.position(v);
+        let [old, new] = [[[a, b, c], [b, a, d]], [[d, b, c], [c, a, d]]];
+        let has_area = || least_angle_here(&new, &here) > HAIR;
+        let least = |triangles: &[[u32; 3]]| least_angle(triangles, &here, images);
+        (least(&new) > least(&old) + WORTH_FLIPPING && has_area()).then_some([c, d])
     }
+}
+
+fn smallest_angle(triangle: [DVec3; 3]) -> f64 {
+    metric::angles(triangle).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// The smallest angle of triangles on this mesh.
+fn least_angle_here(triangles: &[[u32; 3]], here: &dyn Fn(u32) -> DVec3) -> f64 {
+    triangles.iter().map(|t| smallest_angle(t.map(here))).fold(f64::INFINITY, f64::min)
 }
 
 /// The smallest angle of triangles, on this mesh and on the other one; negative there where a triangle is turned over.
 fn least_angle(triangles: &[[u32; 3]], here: &dyn Fn(u32) -> DVec3, images: Images) -> f64 {
-    let smallest = |t: [DVec3; 3]| metric::angles(t).into_iter().fold(f64::INFINITY, f64::min);
-    let one = |t: &[u32; 3]| {
+    let there = |t: &[u32; 3]| {
         let image = t.map(images);
         let [a, b, c] = image.map(|i| i.point);
         let normal: DVec3 = image.iter().map(|i| i.normal).sum();
-        let there = smallest([a, b, c]);
-        smallest(t.map(here)).min(if (b - a).cross(c - a).dot(normal) < 0.0 {
-            there - std::f64::consts::PI
-        } else {
-            there
-        })
+        let is_over = (b - a).cross(c - a).dot(normal) < 0.0;
+        smallest_angle([a, b, c]) - if is_over { std::f64::consts::PI } else { 0.0 }
     };
-    triangles.iter().map(one).fold(f64::INFINITY, f64::min)
+    triangles.iter().map(there).fold(least_angle_here(triangles, here), f64::min)
 }
 
 fn edges([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {

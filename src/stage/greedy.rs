@@ -11,6 +11,7 @@
 use super::cluster::BaseVertices;
 use super::growth::Growth;
 use super::joint::Grown;
+use super::path_flip::flip_paths;
 use super::trace::{diagonals, joins, parts};
 use crate::error::Result;
 use crate::mesh::{HalfedgeId, LandmarkId, TriMesh};
@@ -58,8 +59,9 @@ pub fn greedy(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Res
     if let Some(pair) = missing(&growth) {
         return Ok(Greedy::Stuck(pair));
     }
-    let Growth { halves: [source, target], arcs, .. } = growth;
-    let base = base_complex(&source.cut, &arcs)?;
+    let mut base = base_complex(&growth.halves[0].cut, &growth.arcs)?;
+    flip_paths(&mut growth, &mut base)?;
+    let [source, target] = growth.halves;
     Ok(Greedy::Complete(Grown { base, cuts: [source.cut, target.cut] }))
 }
 

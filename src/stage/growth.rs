@@ -120,7 +120,7 @@ impl<'a> Growth<'a> {
     }
 
     /// Keeps the cut meshes fit for searches after an arc.
-    fn keep_up(&mut self) {
+    pub fn keep_up(&mut self) {
         for half in &mut self.halves {
             half.upkeep.after_arc(half.mesh, &mut half.cut, &self.arcs, self.edge_nodes);
         }

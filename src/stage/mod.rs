@@ -18,6 +18,7 @@ pub mod layout;
 mod levels;
 pub mod load;
 pub mod order;
+mod path_flip;
 pub mod polish;
 pub mod polygon;
 pub mod rebuild;

@@ -91,9 +91,11 @@ impl CutMesh {
 
     /// Length of every arc, given by its ends, in mesh units.
     pub fn arc_lengths(&self, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> IdVec<ArcId, f64> {
-        let length = |(arc, ends): (ArcId, &[LandmarkId; 2])| {
-            self.arc_path(arc, ends[0]).into_iter().map(|h| self.length(h)).sum()
-        };
-        arcs.iter_ids().map(length).collect()
+        arcs.iter_ids().map(|(arc, ends)| self.arc_length(arc, ends[0])).collect()
+    }
+
+    /// Length of the arc that starts at a landmark.
+    pub fn arc_length(&self, arc: ArcId, first: LandmarkId) -> f64 {
+        self.arc_path(arc, first).into_iter().map(|h| self.length(h)).sum()
     }
 }
