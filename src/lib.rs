@@ -115,6 +115,7 @@
 //! - Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates" (1997).
 //! - Gu, Gortler, Hoppe, "Geometry images" (2002).
 
+pub mod app;
 pub mod cli;
 pub mod error;
 pub mod gpu;

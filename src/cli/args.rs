@@ -1,5 +1,6 @@
 //! What was typed.
 
+use crate::app::canvas::Padding;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -79,8 +80,8 @@ pub enum Command {
     Texture(Later),
     /// Diffusion parametrization of regions (comes with a later version)
     Diffuse(Later),
-    /// Bake maps into a mesh's own UVs (comes with a later version)
-    Bake(Later),
+    /// Bake a map of a mesh into its own texture coordinates
+    Bake(BakeArgs),
     /// Carry an image through a finished map (comes with a later version)
     Transfer(Later),
     /// Morph one shape into the other (comes with a later version)
@@ -184,6 +185,38 @@ pub enum RelaxChoice {
 }
 
 #[derive(Args, Debug)]
+pub struct BakeArgs {
+    /// A mesh with texture coordinates
+    pub mesh: PathBuf,
+    /// The EXR file; <UDIM> in its name stands for one file per tile. The mask comes beside it as FILE_mask
+    #[arg(long, value_name = "FILE.exr")]
+    pub out: PathBuf,
+    /// Texels along a side, up to 16384
+    #[arg(long, default_value = "1024", value_name = "N")]
+    pub size: usize,
+    /// What to bake
+    #[arg(long, default_value = "position", value_name = "MAP")]
+    pub map: MapChoice,
+    /// Texels to fill around what triangles cover: a number or `infinite`
+    #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
+    pub padding: Padding,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MapChoice {
+    /// Positions in the mesh's units
+    Position,
+    /// Unit normals in object space
+    Normal,
+    /// Unit tangents along increasing u
+    Tangent,
+    /// Mean curvature, positive where convex
+    Curvature,
+    /// L2 stretch from texture space to the surface, 1 where there is none
+    Distortion,
+}
+
+#[derive(Args, Debug)]
 pub struct CheckArgs {
     /// Mesh files
     #[arg(required = true)]
@@ -204,6 +237,13 @@ pub struct MeasureArgs {
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
 /// both meshes and their normals.
 const LARGEST_IMAGE: usize = (1 << 12) + 1;
+
+fn padding(text: &str) -> Result<Padding, String> {
+    match text {
+        "infinite" => Ok(Padding::Infinite),
+        _ => text.parse().map(Padding::Texels).map_err(|_| "use a number of texels or `infinite`".to_owned()),
+    }
+}
 
 fn share(text: &str) -> Result<f64, String> {
     let x: f64 = text.parse().map_err(|_| "not a number".to_owned())?;

@@ -8,11 +8,15 @@ pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
         Command::Texture(_) => "texture",
         Command::Diffuse(_) => "diffuse",
-        Command::Bake(_) => "bake",
         Command::Transfer(_) => "transfer",
         Command::Morph(_) => "morph",
         Command::Batch(_) => "batch",
-        Command::Demo(_) | Command::Map(_) | Command::Check(_) | Command::Measure(_) | Command::Devices => {
+        Command::Demo(_)
+        | Command::Bake(_)
+        | Command::Map(_)
+        | Command::Check(_)
+        | Command::Measure(_)
+        | Command::Devices => {
             return Ok(());
         }
     };

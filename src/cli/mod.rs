@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, what is printed.
 
 mod args;
+mod bake;
 mod check;
 mod console;
 mod demo;
@@ -50,12 +51,10 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
-        Command::Texture(_)
-        | Command::Diffuse(_)
-        | Command::Bake(_)
-        | Command::Transfer(_)
-        | Command::Morph(_)
-        | Command::Batch(_) => unreachable!("refused above"),
+        Command::Bake(args) => bake::run(args, &cli.global, console),
+        Command::Texture(_) | Command::Diffuse(_) | Command::Transfer(_) | Command::Morph(_) | Command::Batch(_) => {
+            unreachable!("refused above")
+        }
     }
 }
 
