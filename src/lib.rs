@@ -123,6 +123,7 @@ pub mod kernel;
 pub mod map;
 pub mod mesh;
 pub mod path;
+pub mod picture;
 pub mod pipeline;
 pub mod plane;
 pub mod shape;

@@ -8,7 +8,7 @@ use crate::error::{Error, Result};
 use crate::gpu::Compute;
 use crate::kernel::{FlatTriangle, NO_TRIANGLE, Texel, texels};
 use crate::stage::exr::BLOCK_ROWS;
-use glam::DVec2;
+use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
 /// Rows of a band: whole blocks of EXR files, enough of them to keep the cores busy.
@@ -75,6 +75,12 @@ impl Canvas {
     /// Rows.
     pub fn height(&self) -> usize {
         self.height
+    }
+
+    /// The derivative of the weights of a triangle's second and third corner by steps of a texel to the right and down.
+    pub fn weights_by_texel(&self, triangle: u32) -> DMat2 {
+        let [a, b, c] = self.triangles[triangle as usize];
+        DMat2::from_cols(b - a, c - a).inverse()
     }
 
     fn columns(&self) -> usize {

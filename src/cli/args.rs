@@ -82,8 +82,8 @@ pub enum Command {
     Diffuse(Later),
     /// Bake a map of a mesh into its own texture coordinates
     Bake(BakeArgs),
-    /// Carry an image through a finished map (comes with a later version)
-    Transfer(Later),
+    /// Carry an image of the source through a finished map to the target
+    Transfer(TransferArgs),
     /// Morph one shape into the other (comes with a later version)
     Morph(Later),
     /// Many maps, streamed (comes with a later version)
@@ -214,6 +214,36 @@ pub enum MapChoice {
     Curvature,
     /// L2 stretch from texture space to the surface, 1 where there is none
     Distortion,
+}
+
+#[derive(Args, Debug)]
+pub struct TransferArgs {
+    /// Folder of a finished map
+    pub dir: PathBuf,
+    /// The source's image: PNG, JPEG or EXR; <UDIM> in its name stands for one file per tile
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: PathBuf,
+    /// The target's image; <UDIM> in its name stands for one file per tile
+    #[arg(long, value_name = "IMAGE")]
+    pub out: PathBuf,
+    /// Texels along a side; default: as the source's image
+    #[arg(long, value_name = "N")]
+    pub size: Option<usize>,
+    /// Texels to fill around what triangles cover: a number or `infinite`
+    #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
+    pub padding: Padding,
+    /// The image holds normals in the source's tangent frames (OpenGL style): turn them into the target's
+    #[arg(long)]
+    pub normal_map: bool,
+    /// The image holds data, not colours: eight-bit values are not decoded from sRGB
+    #[arg(long)]
+    pub linear: bool,
+    /// Where the source is now, if not where it was mapped
+    #[arg(long, value_name = "FILE")]
+    pub source: Option<PathBuf>,
+    /// Where the target is now, if not where it was mapped
+    #[arg(long, value_name = "FILE")]
+    pub target: Option<PathBuf>,
 }
 
 #[derive(Args, Debug)]

@@ -8,10 +8,10 @@ pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
         Command::Texture(_) => "texture",
         Command::Diffuse(_) => "diffuse",
-        Command::Transfer(_) => "transfer",
         Command::Morph(_) => "morph",
         Command::Batch(_) => "batch",
         Command::Demo(_)
+        | Command::Transfer(_)
         | Command::Bake(_)
         | Command::Map(_)
         | Command::Check(_)

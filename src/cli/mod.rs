@@ -12,6 +12,7 @@ mod measure;
 mod progress;
 mod summary;
 mod table;
+mod transfer;
 
 use crate::error::{Error, Result};
 use crate::pipeline::{install_panic_hook, message_of};
@@ -51,8 +52,9 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
+        Command::Transfer(args) => transfer::run(args, &cli.global, console),
         Command::Bake(args) => bake::run(args, &cli.global, console),
-        Command::Texture(_) | Command::Diffuse(_) | Command::Transfer(_) | Command::Morph(_) | Command::Batch(_) => {
+        Command::Texture(_) | Command::Diffuse(_) | Command::Morph(_) | Command::Batch(_) => {
             unreachable!("refused above")
         }
     }
