@@ -16,8 +16,7 @@ use homeo::stage::cluster::BaseVertices;
 use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::greedy::Greedy;
-use homeo::stage::hypothesis::rough_map;
-use homeo::stage::layout::{Layout, greedy_layout, guided_layout, published_layout};
+use homeo::stage::layout::{Layout, greedy_layout, guided_layouts, published_layout};
 use homeo::stage::load::{LoadOptions, load};
 use homeo::stage::refine::{RefineOptions, refine};
 use homeo::stage::relax::{RelaxOptions, relax_arcs, relax_patches};
@@ -231,8 +230,7 @@ fn trends(rows: &[Row]) {
 }
 
 fn hypothesis(meshes: [&TriMesh; 2], set: &BaseVertices) -> Result<Layout> {
-    let rough = rough_map(meshes, set.vertices.each_ref().map(Vec::as_slice))?;
-    guided_layout(meshes, set, &rough, 3)
+    Ok(guided_layouts(meshes, set, 3)?.swap_remove(0))
 }
 
 fn hypothesis_row(pair: &Path) -> Result<()> {

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 const LEVELS: [&[&str]; 7] = [
     &["error"],
     &["mesh"],
-    &["path", "plane", "solve", "gpu"],
+    &["path", "plane", "solve", "gpu", "picture"],
     &["map", "kernel"],
     &["stage", "app", "shape"],
     &["pipeline"],
@@ -23,14 +23,17 @@ const NARROWER: [(&str, &[&str]); 2] =
     [("shape", &["error", "mesh"]), ("map", &["error", "mesh", "path", "plane", "solve"])];
 
 /// Outside crates and the parts of `src/` that may name them.
-const DOORS: [(&str, &[&str]); 8] = [
+const DOORS: [(&str, &[&str]); 11] = [
     ("wgpu", &["gpu"]),
     ("pollster", &["gpu"]),
     ("naga", &["gpu"]),
     ("crossbeam", &["pipeline"]),
     ("clap", &["cli"]),
     ("indicatif", &["cli"]),
-    ("exr", &["stage", "image"]),
+    ("crc32fast", &["map"]),
+    ("exr", &["stage"]),
+    ("image", &["picture"]),
+    ("postcard", &["map"]),
     ("tobj", &["mesh/io"]),
 ];
 

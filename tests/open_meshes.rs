@@ -230,6 +230,7 @@ fn the_report_and_the_tables_are_those_of_the_open_mesh() {
         landmarks: file("marks.csv"),
         target_landmarks: None,
         hint: None,
+        texture: None,
         out: file("out"),
     };
     let options = MapOptions { image: 9, ..MapOptions::default() };

@@ -334,6 +334,7 @@ impl Identity {
                 positive: true,
                 min_orientation: 1.0,
             },
+            files: &[("map.bin".to_owned(), b"map".to_vec())],
             images: Some(&images),
             device: "CPU",
             warnings: Vec::new(),

@@ -131,6 +131,7 @@ fn files_of_a_refined_map_share_their_connectivity_and_keep_textures_and_groups(
         landmarks: file("marks.csv"),
         target_landmarks: None,
         hint: None,
+        texture: None,
         out: file("out"),
     };
     let options = MapOptions { refine: Some(RefineOptions::default()), image: 0, ..MapOptions::default() };

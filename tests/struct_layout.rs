@@ -5,8 +5,11 @@ use std::mem::offset_of;
 use homeo::gpu::{Kernel, Span};
 use homeo::kernel::relax::RelaxParams;
 use homeo::kernel::sweep::SweepParams;
+use homeo::kernel::texels::TexelParams;
 use homeo::kernel::vertex_stretch::VertexStretchParams;
-use homeo::kernel::{ALL, Query, Sight, Stretch, relax, resample, stretch, sweep, vertex_stretch};
+use homeo::kernel::{
+    ALL, FlatTriangle, Query, Sight, Stretch, Texel, relax, resample, stretch, sweep, texels, vertex_stretch,
+};
 
 fn parse(kernel: &Kernel) -> naga::Module {
     naga::front::wgsl::parse_str(&kernel.module()).unwrap_or_else(|e| panic!("{}", e.emit_to_string(&kernel.module())))
@@ -40,6 +43,9 @@ fn structs_have_the_same_layout() {
     assert_layout!(vertex_stretch::KERNEL, VertexStretchParams { first, count, power, unused });
     assert_layout!(sweep::KERNEL, SweepParams { first, count });
     assert_layout!(sweep::KERNEL, Sight { rest, sum, inverse });
+    assert_layout!(texels::KERNEL, TexelParams { first, count, width, unused });
+    assert_layout!(texels::KERNEL, FlatTriangle { ax, ay, bx, by, cx, cy });
+    assert_layout!(texels::KERNEL, Texel { triangle, covers, w1, w2 });
     assert_layout!(resample::KERNEL, Query { i0, i1, i2, w0, w1, w2 });
 }
 
@@ -70,4 +76,6 @@ fn constants_have_the_same_value() {
     assert_eq!(constant(&sweep::KERNEL, "SAFE_SHARE"), f64::from(sweep::SAFE_SHARE));
     assert_eq!(constant(&sweep::KERNEL, "TRIES"), f64::from(sweep::TRIES));
     assert_eq!(constant(&sweep::KERNEL, "FOLDED"), f64::from(sweep::FOLDED));
+    assert_eq!(constant(&texels::KERNEL, "CELL"), f64::from(texels::CELL));
+    assert_eq!(constant(&texels::KERNEL, "NO_TRIANGLE"), f64::from(texels::NO_TRIANGLE));
 }

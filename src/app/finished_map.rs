@@ -1,7 +1,9 @@
 //! A finished map, read back from its folder and from the files of its meshes.
 
 use crate::error::{Error, Result};
+use crate::map::atlas::Atlas;
 use crate::map::charts::{Charts, MAP_FILE, fingerprint};
+use crate::map::tile_table::TileTable;
 use crate::mesh::io::{MeshFile, read_mesh};
 use crate::stage::write::folder::REPORT_FILE;
 use serde::Deserialize;
@@ -14,6 +16,13 @@ pub struct FinishedMap {
     pub meshes: [MeshFile; 2],
     /// The map at every point.
     pub charts: Charts,
+    /// The common atlas, unless there are no geometry images.
+    pub atlas: Option<Atlas>,
+}
+
+#[derive(Deserialize)]
+struct Layout {
+    atlas: Option<TileTable>,
 }
 
 #[derive(Deserialize)]
@@ -54,5 +63,17 @@ pub fn read_finished_map(dir: &Path, moved: [Option<&Path>; 2]) -> Result<Finish
         Ok(mesh)
     };
     let meshes = [mesh(0, "--source", &report.source)?, mesh(1, "--target", &report.target)?];
-    Ok(FinishedMap { meshes, charts })
+    let atlas = read_atlas(&dir.join(LAYOUT_FILE))?;
+    Ok(FinishedMap { meshes, charts, atlas })
+}
+
+/// The file with the layout and the atlas.
+const LAYOUT_FILE: &str = "layout.json";
+
+fn read_atlas(path: &Path) -> Result<Option<Atlas>> {
+    let text = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    let damaged = |e: serde_json::Error| Error::input(e.to_string()).file(path).remedy("map the pair again");
+    let layout: Layout = serde_json::from_slice(&text).map_err(damaged)?;
+    let parts = layout.atlas.map(|table| table.parts()).transpose().map_err(|e| e.file(path))?;
+    Ok(parts.map(|(atlas, _)| atlas))
 }

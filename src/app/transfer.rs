@@ -6,15 +6,16 @@
 //! gutters show what the nearest of them does.
 
 use super::canvas::{Canvas, Padding, check_size};
+use super::destination::Destination;
 use super::frames::Frames;
 use super::texture::Textures;
 use super::udim::{file_of, is_pattern};
-use super::uv::UvTriangles;
+use super::uv::{Tile, UvTriangles};
 use crate::error::Result;
 use crate::gpu::Compute;
 use crate::kernel::{NO_TRIANGLE, Texel};
 use crate::map::charts::Charts;
-use crate::map::transport::{Arrival, Transport, reference_points};
+use crate::map::transport::{Transport, reference_points};
 use crate::mesh::io::MeshFile;
 use crate::picture::{Picture, file::format_for};
 use crate::stage::write::OutputFile;
@@ -49,50 +50,72 @@ pub struct TransferReport {
     pub unfilled: usize,
 }
 
-/// Carries the source's image into the texture coordinates of the target, into `out`, or one file per tile where its
-/// name has `<UDIM>`.
+/// A source with its image, a target to carry it to, and the map between them.
+#[derive(Clone, Copy)]
+pub struct Journey<'a> {
+    /// The source and the target.
+    pub meshes: [&'a MeshFile; 2],
+    /// The map.
+    pub charts: &'a Charts,
+    /// The source's image.
+    pub textures: &'a Textures,
+    /// Where the target's texels lie.
+    pub destination: &'a Destination<'a>,
+}
+
+/// Carries the source's image to the target, into `out`, or one file per tile where its name has `<UDIM>`.
 ///
 /// # Errors
-/// Input, if a mesh has no texture coordinates or a file cannot be written; usage, for a size or file name that does not fit.
-pub fn transfer(
-    compute: &Compute,
-    [source, target]: [&MeshFile; 2],
-    charts: &Charts,
-    textures: &Textures,
-    out: &Path,
-    options: &TransferOptions,
-) -> Result<TransferReport> {
-    let size = options.size.unwrap_or(textures.largest_side());
-    check_size(size, LARGEST)?;
-    let format = format_for(out, textures.depth())?;
-    let (from, onto) = (UvTriangles::of(target), UvTriangles::of(source));
-    let points = reference_points(&charts.meshes[0]);
-    let carrier = Carrier {
-        transport: Transport::new(charts, 1, &points),
-        source: &onto,
-        textures,
-        frames: options.normal_map.then(|| Frames::new([source, target], [&onto, &from])),
-    };
-    let mut report = TransferReport::default();
-    let tiles = if is_pattern(out) { from.tiles() } else { vec![[0, 0]] };
-    for tile in tiles {
-        let canvas = Canvas::new(size, size, &from.seen_from(tile));
-        let mut pixels = Vec::with_capacity(size * size);
-        canvas.bands(compute, options.padding, |band| {
-            let covered = |t: &&Texel| t.covers > 0;
-            let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| carrier.shown(&canvas, t)).collect();
-            report.covered += band.texels.iter().filter(covered).count();
-            report.unfilled += band.texels.iter().zip(&shown).filter(|(t, c)| t.covers > 0 && c.is_none()).count();
-            pixels.extend(shown.into_iter().map(Option::unwrap_or_default));
-            Ok(())
-        })?;
-        let channels = textures.channels();
-        let picture = Picture { width: size, height: size, channels, depth: textures.depth(), pixels };
+/// Input, if a file cannot be written; usage, for a size or file name that does not fit.
+pub fn transfer(compute: &Compute, journey: Journey, out: &Path, options: &TransferOptions) -> Result<TransferReport> {
+    let format = format_for(out, journey.textures.depth())?;
+    let mut files = Vec::new();
+    let report = carry(compute, journey, is_pattern(out), options, |tile, picture| {
         let path = file_of(out, tile)?;
         let mut file = OutputFile::create(&path)?;
         picture.write(format, file.writer()).map_err(|e| e.file(&path))?;
         file.commit()?;
-        report.files.push(path);
+        files.push(path);
+        Ok(())
+    })?;
+    Ok(TransferReport { files, ..report })
+}
+
+/// Makes the target's image, or one for `every_tile`, and hands them over one by one.
+///
+/// # Errors
+/// Those of `take`; usage, for a size out of range.
+pub fn carry(
+    compute: &Compute,
+    journey: Journey,
+    every_tile: bool,
+    options: &TransferOptions,
+    mut take: impl FnMut(Tile, Picture) -> Result<()>,
+) -> Result<TransferReport> {
+    let Journey { meshes, charts, textures, destination } = journey;
+    let size = options.size.unwrap_or(textures.largest_side());
+    check_size(size, LARGEST)?;
+    let source = UvTriangles::of(meshes[0]);
+    let points = reference_points(&charts.meshes[0]);
+    let frames = destination.own().filter(|_| options.normal_map).map(|own| Frames::new(meshes, [&source, own]));
+    let transport = Transport::new(charts, 1, &points);
+    let carrier = Carrier { transport, source: &source, destination, textures, frames };
+    let mut report = TransferReport::default();
+    for tile in if every_tile { destination.tiles() } else { vec![[0, 0]] } {
+        let canvas = Canvas::new(size, size, &destination.seen_from(tile));
+        let mut pixels = Vec::with_capacity(size * size);
+        canvas.bands(compute, options.padding, |band| {
+            let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| carrier.shown(&canvas, t)).collect();
+            let inside = || band.texels.iter().zip(&shown).filter(|(t, _)| t.covers > 0);
+            report.covered += inside().count();
+            report.unfilled += inside().filter(|(_, colour)| colour.is_none()).count();
+            pixels.extend(shown.into_iter().map(Option::unwrap_or_default));
+            Ok(())
+        })?;
+        take(
+            tile,
+            Picture { width: size, height: size, channels: textures.channels(), depth: textures.depth(), pixels },
+        )?;
     }
     Ok(report)
 }
@@ -101,6 +124,7 @@ pub fn transfer(
 struct Carrier<'a> {
     transport: Transport<'a>,
     source: &'a UvTriangles,
+    destination: &'a Destination<'a>,
     textures: &'a Textures,
     frames: Option<Frames>,
 }
@@ -112,7 +136,7 @@ impl Carrier<'_> {
             return None;
         }
         let weights = texel.weights().map(f64::from);
-        let arrival = self.transport.image(texel.triangle, weights)?;
+        let arrival = self.destination.image(&self.transport, texel.triangle, weights)?;
         let corners = self.source.corners[arrival.face as usize];
         let uv: DVec2 = corners.iter().zip(arrival.b).map(|(&c, b)| c * b).sum();
         if !uv.is_finite() {
@@ -121,14 +145,9 @@ impl Carrier<'_> {
         let by_weights = DMat2::from_cols(corners[1] - corners[0], corners[2] - corners[0]);
         let by_texel = by_weights * arrival.derivative * canvas.weights_by_texel(texel.triangle);
         let sample = self.textures.sample(uv, by_texel)?;
-        Some(self.turned(texel.triangle, weights, &arrival, sample))
-    }
-
-    /// A normal in the target's frame; anything else as it is.
-    fn turned(&self, triangle: u32, weights: [f64; 3], arrival: &Arrival, sample: [f32; 4]) -> [f32; 4] {
-        match &self.frames {
-            Some(frames) => frames.turn(triangle, weights, arrival, sample),
+        Some(match &self.frames {
+            Some(frames) => frames.turn(texel.triangle, weights, &arrival, sample),
             None => sample,
-        }
+        })
     }
 }

@@ -159,7 +159,7 @@ pub struct MapFlags {
     /// The geometry images as layers of one EXR instead of one file per map
     #[arg(long)]
     pub layered: bool,
-    /// The source's colour texture, carried to the target (comes with a later version)
+    /// The source's colour texture, carried to the target; <UDIM> in its name stands for one file per tile
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
 }

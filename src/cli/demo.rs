@@ -45,6 +45,7 @@ fn write_pair(dir: &Path, source: &Shape, target: &Shape) -> Result<MapJob> {
         landmarks: dir.join("landmarks.csv"),
         target_landmarks: None,
         hint: None,
+        texture: None,
         out: dir.join("map"),
     };
     fs::create_dir_all(dir).map_err(|e| Error::io(dir, &e))?;

@@ -1,6 +1,6 @@
-//! Flags and commands that are promised but not built yet are refused, and say so.
+//! Commands that are promised but not built yet are refused, and say so.
 
-use super::args::{Command, MapFlags};
+use super::args::Command;
 use crate::error::{Error, Result};
 
 /// Fails for a command that comes later.
@@ -21,15 +21,6 @@ pub fn refuse_command(command: &Command) -> Result<()> {
         }
     };
     Err(later(&format!("the command '{name}'"), "see homeo --help for what works today"))
-}
-
-/// Fails for a flag of `map` that comes later.
-pub fn refuse_flags(flags: &MapFlags) -> Result<()> {
-    let refused = [(flags.texture.is_some(), "--texture", "leave it out")];
-    match refused.into_iter().find(|&(is_asked_for, ..)| is_asked_for) {
-        Some((_, flag, remedy)) => Err(later(flag, remedy)),
-        None => Ok(()),
-    }
 }
 
 fn later(what: &str, remedy: &str) -> Error {

@@ -2,7 +2,6 @@
 
 use super::args::{Global, LayoutChoice, MapArgs, MapFlags, RefineChoice, RelaxChoice};
 use super::console::Console;
-use super::later;
 use super::progress;
 use super::summary::map_summary;
 use crate::error::{Error, Result};
@@ -23,6 +22,7 @@ pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCod
         landmarks: args.landmarks.clone(),
         target_landmarks: args.target_landmarks.clone(),
         hint: args.hint.clone(),
+        texture: args.options.texture.clone(),
         out: args.out.clone(),
     };
     let report = run_all(vec![job], &options, global, console)?.remove(0);
@@ -30,9 +30,8 @@ pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCod
     Ok(ExitCode::SUCCESS)
 }
 
-/// What the flags of the main job mean; refuses those that come later.
+/// What the flags of the main job mean.
 pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
-    later::refuse_flags(flags)?;
     let relax = match flags.relax {
         RelaxChoice::None => Relaxation::None,
         RelaxChoice::Patch => Relaxation::Patch,

@@ -2,9 +2,10 @@
 
 use super::args::{Global, TransferArgs};
 use super::console::Console;
+use crate::app::destination::Destination;
 use crate::app::finished_map::read_finished_map;
 use crate::app::texture::Textures;
-use crate::app::transfer::{TransferOptions, transfer};
+use crate::app::transfer::{Journey, TransferOptions, transfer};
 use crate::app::uv::UvTriangles;
 use crate::error::Result;
 use crate::gpu::{Device, DeviceChoice};
@@ -19,7 +20,10 @@ pub fn run(args: &TransferArgs, global: &Global, console: &Console) -> Result<Ex
     let Ok(choice) = global.device.parse::<DeviceChoice>();
     let compute = Device::open(&choice)?.compute;
     let options = TransferOptions { size: args.size, padding: args.padding, normal_map: args.normal_map };
-    let report = transfer(&compute, [source, target], &map.charts, &textures, &args.out, &options)?;
+    let destination = Destination::of(target, &map.charts.meshes[1], map.atlas.as_ref())?;
+    let journey =
+        Journey { meshes: [source, target], charts: &map.charts, textures: &textures, destination: &destination };
+    let report = transfer(&compute, journey, &args.out, &options)?;
     if report.unfilled > 0 {
         console.warn(&format!(
             "{} of {} texels have no counterpart with texture coordinates on the source and stay black",

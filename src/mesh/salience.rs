@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn a_sphere_has_the_curvature_of_a_sphere_and_one_salient_vertex() {
         let mesh = icosphere(4);
-        let curvature = mean_curvature_normals(&mesh);
+        let curvature = mean_curvature_normals(&mesh.faces(), &mesh.positions);
         for v in mesh.conn.vertices() {
             assert!((curvature[v] - 2.0 * mesh.positions[v]).length() < 0.1, "{v} {}", curvature[v]);
         }
@@ -122,7 +122,7 @@ mod tests {
         let [coarse, fine] = [1e-2, 1e-3].map(|tolerance| salient_vertices(&mesh, tolerance));
         assert!(coarse.len() < fine.len() && fine.len() < mesh.positions.len());
         assert!(mesh.positions[coarse[0]].x.abs() > 0.9, "{}", mesh.positions[coarse[0]]);
-        let curvature = mean_curvature_normals(&mesh);
+        let curvature = mean_curvature_normals(&mesh.faces(), &mesh.positions);
         for v in mesh.conn.vertices() {
             let near = |&s: &VertexId| gap_to_sphere(mesh.positions[s], curvature[s], 1e9)(mesh.positions[v]) < 1e-3;
             assert!(fine.contains(&v) || fine.iter().any(near), "{v}");

@@ -17,8 +17,19 @@ pub struct MapJob {
     pub target_landmarks: Option<PathBuf>,
     /// Closed curves that must correspond, if landmarks leave open how the map winds around handles.
     pub hint: Option<PathBuf>,
+    /// The source's colour texture, if it is to be carried to the target; `<UDIM>` stands for one file per tile.
+    pub texture: Option<PathBuf>,
     /// Where the results go.
     pub out: PathBuf,
+}
+
+/// What is wanted of a finished map.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Outputs {
+    /// Where the results go.
+    pub dir: PathBuf,
+    /// The texture to be carried.
+    pub texture: Option<PathBuf>,
 }
 
 /// How arcs are laid out.

@@ -3,15 +3,16 @@
 use super::job::LayoutMethod;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
-use crate::mesh::{Id, IdVec, LandmarkId, SurfacePoint, TriMesh};
+use crate::mesh::{Id, LandmarkId, TriMesh};
 use crate::stage::check::Checked;
 use crate::stage::cluster::BaseVertices;
 use crate::stage::compose::compose;
 use crate::stage::embed::embed;
 use crate::stage::greedy::Greedy;
-use crate::stage::hypothesis::{Rough, rough_map};
-use crate::stage::layout::{Layout, greedy_layout, guided_layout, layouts};
+use crate::stage::hypothesis::Rough;
+use crate::stage::layout::{Layout, greedy_layout, guided_layout, guided_layouts, layouts};
 use crate::stage::relax::{RelaxOptions, relax_arcs};
+use glam::DVec3;
 
 /// Least number of nodes on an edge that arcs may cross it at (VORONOI 4: b = 3); fewer make arcs longer, more slower.
 const EDGE_NODES: u32 = 3;
@@ -30,7 +31,7 @@ pub fn lay_out(
     let set = sets.first().ok_or_else(|| Error::bug("no base vertices"));
     match method {
         LayoutMethod::Voronoi => layouts(meshes, sets, EDGE_NODES, CANDIDATES),
-        LayoutMethod::Hypothesis { cycles } => hypothesis(compute, meshes, set?, cycles).map(|layout| vec![layout]),
+        LayoutMethod::Hypothesis { cycles } => hypothesis(compute, meshes, set?, cycles),
         LayoutMethod::Greedy => match greedy_layout(meshes, set?, EDGE_NODES)? {
             Greedy::Complete(layout) => Ok(vec![layout]),
             Greedy::Stuck(ends) => Err(stuck(checked, ends)),
@@ -38,37 +39,28 @@ pub fn lay_out(
     }
 }
 
-/// The layout along the hypotheses of the least-squares mesh, then along those of the map it leads to; of all cycles the one
-/// with the shortest arcs.
-fn hypothesis(compute: &Compute, meshes: [&TriMesh; 2], set: &BaseVertices, cycles: u32) -> Result<Layout> {
-    let units = meshes.map(|m| m.area().sqrt());
-    let size = |layout: &Layout| layout.lengths[0] / units[0] + layout.lengths[1] / units[1];
-    let mut rough = rough_map(meshes, set.vertices.each_ref().map(Vec::as_slice))?;
-    let mut best = guided_layout(meshes, set, &rough, EDGE_NODES)?;
-    let mut last = best.clone();
+/// Layouts along the hypotheses of least-squares meshes, then along those of the map that the last of them leads to; the
+/// one with the shortest arcs first.
+fn hypothesis(compute: &Compute, meshes: [&TriMesh; 2], set: &BaseVertices, cycles: u32) -> Result<Vec<Layout>> {
+    let mut all = guided_layouts(meshes, set, EDGE_NODES)?;
+    let mut last = all[0].clone();
     for _ in 1..cycles {
-        rough = finished_map(compute, meshes, last, rough)?;
+        let rough = finished_map(compute, meshes, last)?;
         last = guided_layout(meshes, set, &rough, EDGE_NODES)?;
-        if size(&last) < size(&best) {
-            best = last.clone();
-        }
+        all.push(last.clone());
     }
-    Ok(best)
+    all.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
+    all.truncate(CANDIDATES);
+    Ok(all)
 }
 
-/// Where the map that a layout leads to takes the vertices of the source; what no face uses stays where it was.
-fn finished_map(compute: &Compute, meshes: [&TriMesh; 2], layout: Layout, mut rough: Rough) -> Result<Rough> {
+/// Where the map that a layout leads to takes the vertices of the source; what no face uses counts for nothing.
+fn finished_map(compute: &Compute, meshes: [&TriMesh; 2], layout: Layout) -> Result<Rough> {
     let (mut embedding, _) = embed(meshes, layout)?;
     let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, flips: false, ..RelaxOptions::default() };
     relax_arcs(compute, meshes, &mut embedding, &short)?;
     let [map, _] = compose(meshes, embedding)?.maps;
-    let images: &IdVec<_, Option<SurfacePoint>> = &map.images;
-    for (v, image) in images.iter_ids() {
-        if let Some(point) = image {
-            rough[v] = point.position(meshes[1]);
-        }
-    }
-    Ok(rough)
+    Ok(map.images.iter().map(|image| image.map_or(DVec3::ZERO, |p| p.position(meshes[1]))).collect())
 }
 
 fn stuck(checked: &Checked, ends: [LandmarkId; 2]) -> Error {

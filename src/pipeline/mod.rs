@@ -19,6 +19,7 @@ mod pair;
 mod panics;
 pub mod stages;
 mod steps;
+mod textures;
 
 pub use job::{LayoutMethod, MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};

@@ -1,13 +1,13 @@
 //! A pair on its way through the stages.
 
+use super::job::Outputs;
 use crate::error::Result;
 use crate::stage::check::Checked;
-use std::path::PathBuf;
 
 /// What every stage may look at, and what the last stage made.
 pub struct Pair<T> {
-    /// Where the results go.
-    pub out: PathBuf,
+    /// What is wanted of the map.
+    pub outputs: Outputs,
     /// The meshes and landmarks.
     pub checked: Checked,
     /// The product of the last stage.
@@ -18,6 +18,6 @@ impl<T> Pair<T> {
     /// Puts the product of the next stage in the place of the last one's.
     pub fn then<U>(self, stage: impl FnOnce(&Checked, T) -> Result<U>) -> Result<Pair<U>> {
         let made = stage(&self.checked, self.made)?;
-        Ok(Pair { out: self.out, checked: self.checked, made })
+        Ok(Pair { outputs: self.outputs, checked: self.checked, made })
     }
 }

@@ -1,6 +1,6 @@
 //! The list of stages, in the order in which a job passes them, and the line they make.
 
-use super::job::{MapJob, MapOptions};
+use super::job::{MapJob, MapOptions, Outputs};
 use super::line::{Line, Outcome};
 use super::observer::Observer;
 use super::pair::Pair;
@@ -8,7 +8,6 @@ use super::steps::{self, Finished, Mapped};
 use crate::gpu::{Compute, Device};
 use crate::map::report::Report;
 use crate::stage::load::Loaded;
-use std::path::PathBuf;
 use std::thread;
 
 /// Maps pairs: every job passes all stages; `take` gets the outcomes in the order of the jobs.
@@ -42,7 +41,7 @@ pub fn map_pairs(
     mut take: impl FnMut(Outcome<Mapped>),
 ) {
     thread::scope(|scope| {
-        let loaded = Line::start(scope, observer, pairs.map(|pair| (PathBuf::new(), pair)));
+        let loaded = Line::start(scope, observer, pairs.map(|pair| (Outputs::default(), pair)));
         checked_to_composed(loaded, options, &device.compute).finish(|Outcome { id, value, seconds }| {
             take(Outcome { id, value: value.map(steps::mapped), seconds });
         });
@@ -51,7 +50,7 @@ pub fn map_pairs(
 
 /// The stages from which a map comes out of two meshes.
 fn checked_to_composed<'scope, 'env>(
-    loaded: Line<'scope, 'env, (PathBuf, Loaded)>,
+    loaded: Line<'scope, 'env, (Outputs, Loaded)>,
     options: &'env MapOptions,
     compute: &'env Compute,
 ) -> Line<'scope, 'env, Pair<Finished>> {

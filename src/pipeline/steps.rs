@@ -1,15 +1,14 @@
 //! What each stage does with a job: fetches its input from the pair, calls the stage, says a word about the result.
 
 use super::images::geometry_images;
-use super::job::{LayoutMethod, MapJob, Relaxation};
+use super::job::{LayoutMethod, MapJob, Outputs, Relaxation};
 use super::lay_out::lay_out;
 use super::line::Step;
 use super::pair::Pair;
+use super::textures::{check_texture, further_files};
 use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
-use crate::map::charts::{ChartedMesh, Charts};
-use crate::map::embedding::{EmbeddedMesh, Embedding};
-use crate::map::file_order::Onto;
+use crate::map::embedding::Embedding;
 use crate::map::product::{GeometryImages, Product, Side};
 use crate::map::refined::{RefinedMesh, refined_mesh};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
@@ -21,7 +20,6 @@ use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
 use crate::stage::refine::RefineOptions;
 use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_patches};
-use std::path::PathBuf;
 
 /// Layouts whose promises differ by less are equally good, and the one with the shorter arcs is taken.
 const SAME_PROMISE: f64 = 1e-3;
@@ -49,7 +47,7 @@ pub struct Baked {
     relaxation: RelaxationSummary,
     map: CertifiedMap,
     notes: Vec<String>,
-    charts: Charts,
+    files: Vec<(String, Vec<u8>)>,
     images: Option<GeometryImages>,
     refined: Option<[RefinedMesh; 2]>,
 }
@@ -67,17 +65,18 @@ pub struct Mapped {
     pub relaxation: RelaxationSummary,
 }
 
-pub fn load(job: MapJob, step: &Step) -> Result<(PathBuf, Loaded)> {
-    let MapJob { source, target, landmarks, target_landmarks, hint, out } = job;
+pub fn load(job: MapJob, step: &Step) -> Result<(Outputs, Loaded)> {
+    let MapJob { source, target, landmarks, target_landmarks, hint, texture, out } = job;
     let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks, hint })?;
+    texture.as_deref().map_or(Ok(()), |texture| check_texture(texture, &loaded.source))?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
     let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
     step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
-    Ok((out, loaded))
+    Ok((Outputs { dir: out, texture }, loaded))
 }
 
-pub fn check((out, loaded): (PathBuf, Loaded), _: &Step) -> Result<Pair<()>> {
-    Ok(Pair { out, checked: stage::check::check(loaded)?, made: () })
+pub fn check((outputs, loaded): (Outputs, Loaded), _: &Step) -> Result<Pair<()>> {
+    Ok(Pair { outputs, checked: stage::check::check(loaded)?, made: () })
 }
 
 pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
@@ -225,24 +224,19 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 
 /// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool, step: &Step) -> Result<Pair<Baked>> {
-    pair.then(|checked, Finished { summary, relaxation, composed, notes, refined }| {
+    let texture = pair.outputs.texture.clone();
+    pair.then(|checked, Finished { summary, relaxation, composed, mut notes, refined }| {
         let images = geometry_images(compute, checked.meshes(), &composed, size, layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
-        let embedded = &composed.embedding.meshes;
-        let charts =
-            Charts { meshes: [charted(&checked.source, &embedded[0]), charted(&checked.target, &embedded[1])] };
+        let (files, more) = further_files(compute, checked, &composed, images.as_ref(), texture.as_deref())?;
+        notes.extend(more);
         let map = in_file_terms(checked, composed);
-        Ok(Baked { summary, relaxation, map, notes, charts, images, refined })
+        Ok(Baked { summary, relaxation, map, notes, files, images, refined })
     })
 }
 
-/// An embedded mesh in terms of its file.
-fn charted(LoadedMesh { file, mesh, omitted, canonical, .. }: &LoadedMesh, embedded: &EmbeddedMesh) -> ChartedMesh {
-    ChartedMesh::new(embedded, file, canonical, Onto { mesh, triangles: &file.triangles(), omitted })
-}
-
 pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
-    let Pair { out, checked, made } = &pair;
+    let Pair { outputs, checked, made } = &pair;
     let product = Product {
         source: side(&checked.source, made, 0),
         target: side(&checked.target, made, 1),
@@ -251,12 +245,12 @@ pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
         layout: made.summary.clone(),
         relaxation: made.relaxation.clone(),
         certificate: made.map.certificate,
-        charts: &made.charts,
+        files: &made.files,
         images: made.images.as_ref(),
         device,
         warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
     };
-    stage::write::write(&product, out, || step.seconds())
+    stage::write::write(&product, &outputs.dir, || step.seconds())
 }
 
 fn side<'a>(LoadedMesh { file, mesh, omitted, .. }: &'a LoadedMesh, made: &'a Baked, k: usize) -> Side<'a> {

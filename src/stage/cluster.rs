@@ -35,6 +35,15 @@ impl BaseVertices {
         Self::guided(meshes, vertices, lasting, &Guides::default())
     }
 
+    /// The same with the meshes' roles swapped.
+    pub fn swapped(&self) -> Self {
+        let mut swapped = self.clone();
+        swapped.vertices.swap(0, 1);
+        swapped.clusters.swap(0, 1);
+        swapped.given.swap(0, 1);
+        swapped
+    }
+
     /// The same with the arcs along guides given.
     fn guided(meshes: [&TriMesh; 2], vertices: [Vec<VertexId>; 2], lasting: usize, guides: &Guides) -> Self {
         let [on_source, on_target] = &vertices;

@@ -8,7 +8,7 @@ use super::candidate::{Candidate, SCOUT_NODES, Way, candidates, published};
 use super::cluster::BaseVertices;
 use super::greedy::{Greedy, greedy};
 use super::guided::guided;
-use super::hypothesis::Rough;
+use super::hypothesis::{Rough, rough_map};
 use super::joint::Grown;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
@@ -43,6 +43,20 @@ pub struct Layout {
     pub postponed: usize,
 }
 
+impl Layout {
+    /// Total arc length on both meshes in units of their roots of area.
+    pub fn size(&self, meshes: [&TriMesh; 2]) -> f64 {
+        (0..2).map(|k| self.lengths[k] / meshes[k].area().sqrt()).sum()
+    }
+
+    /// The same layout with the meshes' roles swapped.
+    fn swapped(mut self) -> Layout {
+        self.cuts.swap(0, 1);
+        self.lengths.swap(0, 1);
+        self
+    }
+}
+
 /// Lays out both meshes in several ways and returns the best `keep`, the one with the shortest arcs first.
 ///
 /// `edge_nodes` is the least number of nodes on an edge that arcs may cross it at.
@@ -59,9 +73,7 @@ pub fn layouts(meshes: [&TriMesh; 2], sets: &[BaseVertices], edge_nodes: u32, ke
     all.truncate(keep);
     let finished: Vec<Result<Layout>> = all.into_par_iter().map(|c| finish(meshes, c, edge_nodes)).collect();
     let mut layouts = finished.into_iter().collect::<Result<Vec<Layout>>>()?;
-    let units = meshes.map(|m| m.area().sqrt());
-    let total = |l: &Layout| l.lengths[0] / units[0] + l.lengths[1] / units[1];
-    layouts.sort_by(|a, b| total(a).total_cmp(&total(b)));
+    layouts.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
     Ok(layouts)
 }
 
@@ -75,6 +87,21 @@ pub fn published_layout(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u
 pub fn guided_layout(meshes: [&TriMesh; 2], set: &BaseVertices, rough: &Rough, edge_nodes: u32) -> Result<Layout> {
     let (grown, postponed) = guided(meshes, set, rough, SCOUT_NODES)?;
     settle(meshes, set, grown, Way::Guided, postponed, edge_nodes)
+}
+
+/// Lays out both meshes along the path hypotheses of the source draped over the target, and along those of the target over
+/// the source; the layout with the shorter arcs first.
+pub fn guided_layouts(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Result<Vec<Layout>> {
+    let one = |meshes: [&TriMesh; 2], set: &BaseVertices| {
+        let rough = rough_map(meshes, set.vertices.each_ref().map(Vec::as_slice))?;
+        guided_layout(meshes, set, &rough, edge_nodes)
+    };
+    let [source, target] = meshes;
+    let swapped = || one([target, source], &set.swapped()).map(Layout::swapped);
+    let (forward, backward) = rayon::join(|| one(meshes, set), swapped);
+    let mut both = vec![forward?, backward?];
+    both.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
+    Ok(both)
 }
 
 /// Lays out both meshes by the greedy heuristic, as far as it goes.

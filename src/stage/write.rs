@@ -8,7 +8,6 @@ pub use file::OutputFile;
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;
-use crate::map::charts::MAP_FILE;
 use crate::map::file_order::{Onto, number_in_file};
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
 use crate::map::product::{Finest, Product, Side};
@@ -36,8 +35,9 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
     for (name, bytes) in product.images.iter().flat_map(|images| &images.files) {
         folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
     }
-    let charts = product.charts.encode()?;
-    folder.write(MAP_FILE, |out| out.write_all(&charts))?;
+    for (name, bytes) in product.files {
+        folder.write(name, |out| out.write_all(bytes))?;
+    }
     folder.write("layout.json", |out| Ok(serde_json::to_writer(out, &layout_file(product))?))?;
     let report = report(product, seconds);
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;

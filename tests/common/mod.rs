@@ -2,6 +2,7 @@
 #![allow(dead_code)] // every test crate takes only what it needs
 
 pub mod check;
+pub mod islands;
 pub mod job;
 pub mod mesh;
 pub mod run;

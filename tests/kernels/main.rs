@@ -5,4 +5,5 @@ mod elementwise;
 mod relax;
 mod support;
 mod sweep;
+mod texels;
 mod validity;
