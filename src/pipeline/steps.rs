@@ -223,7 +223,7 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 /// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool, step: &Step) -> Result<Pair<Baked>> {
     pair.then(|checked, Finished { summary, relaxation, composed, notes, refined }| {
-        let images = geometry_images(compute, checked.meshes(), &composed, size, layered)?;
+        let images = geometry_images(compute, checked, &composed, size, layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
         let map = in_file_terms(checked, composed);
         Ok(Baked { summary, relaxation, map, notes, images, refined })
