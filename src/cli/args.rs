@@ -79,8 +79,8 @@ pub enum Command {
     Texture(Later),
     /// Diffusion parametrization of regions (comes with a later version)
     Diffuse(Later),
-    /// Bake maps into a mesh's own UVs (comes with a later version)
-    Bake(Later),
+    /// Read a geometry image back as a mesh, or bake maps into a mesh's own UVs (the latter comes with a later version)
+    Bake(BakeArgs),
     /// Carry an image through a finished map (comes with a later version)
     Transfer(Later),
     /// Morph one shape into the other (comes with a later version)
@@ -199,6 +199,29 @@ pub struct MeasureArgs {
     pub source: PathBuf,
     /// The same vertices and faces at the positions after the map
     pub compatible: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct BakeArgs {
+    /// The mesh whose own UVs are baked into (comes with a later version)
+    #[arg(required_unless_present = "rebuild", conflicts_with = "rebuild")]
+    pub mesh: Option<PathBuf>,
+    /// A geometry image of a finished map to be read back as a mesh: source_position.exr, target_position.exr or
+    /// geometry.exr
+    #[arg(long, value_name = "FILE")]
+    pub rebuild: Option<PathBuf>,
+    /// With --rebuild of geometry.exr: which mesh; default: source
+    #[arg(long, value_name = "source|target", conflicts_with = "mesh")]
+    pub layer: Option<LayerChoice>,
+    /// The file to be written: OBJ with --rebuild; appears complete or not at all
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerChoice {
+    Source,
+    Target,
 }
 
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
