@@ -138,7 +138,7 @@ fn read(pair: &Path) -> Result<Checked> {
     })?)
 }
 
-/// The landmarks alone as base vertices, and those that boundary loops need.
+/// The landmarks alone as base vertices, as in the papers, and those that boundary loops need.
 fn base_vertices(checked: &Checked) -> BaseVertices {
     let [source, target] = checked.sites();
     let sets = homeo::stage::cluster::cluster(checked.meshes(), [&source, &target], &checked.guides);
@@ -253,14 +253,17 @@ fn hypothesis_row(pair: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Maps with all landmarks moved to a neighbouring vertex each; nothing is drawn twice the same, and nothing by the clock.
+/// Maps by the hypothesis layout, as `homeo map` does, with all landmarks moved to a neighbouring vertex each; nothing is drawn
+/// twice the same, and nothing by the clock.
 fn perturbed_row(pair: &Path, times: usize) -> Result<()> {
     let checked = read(pair)?;
     let meshes = checked.meshes();
     let sites = checked.sites();
     let e_l2 = |vertices: [Vec<VertexId>; 2]| -> Result<f64> {
-        let set = BaseVertices::grow(meshes, vertices, sites[0].len());
-        let (mut embedding, _) = embed(meshes, hypothesis(meshes, &set)?)?;
+        let [source, target] = &vertices;
+        let sets = homeo::stage::cluster::cluster(meshes, [source, target], &checked.guides);
+        let set = sets.first().expect("there is a set of base vertices");
+        let (mut embedding, _) = embed(meshes, hypothesis(meshes, set)?)?;
         relax_arcs(&Compute::Cpu, meshes, &mut embedding, &RelaxOptions::default())?;
         Ok(measure(meshes, &compose(meshes, embedding)?).e_l2)
     };

@@ -128,6 +128,7 @@ pub mod kernel;
 pub mod map;
 pub mod mesh;
 pub mod path;
+pub mod picture;
 pub mod pipeline;
 pub mod plane;
 pub mod shape;

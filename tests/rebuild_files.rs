@@ -313,10 +313,11 @@ fn the_program_refuses_by_file_and_leaves_nothing() {
     refuses(&["--rebuild", &flat, "--out", &scratch.path("mesh.ply")], 2, &["mesh.ply", ".obj"]);
     refuses(&["--rebuild", &flat], 2, &["--out"]);
     refuses(&["some.obj", "--rebuild", &flat, "--out", &out], 2, &["cannot be used with"]);
-    refuses(&["some.obj", "--out", "map.exr"], 2, &["a mesh's own UVs comes with a later version"]);
+    refuses(&["--rebuild", &flat, "--size", "64", "--out", &out], 2, &["cannot be used with"]);
+    refuses(&["some.obj", "--layer", "source", "--out", "map.exr"], 2, &["cannot be used with"]);
     refuses(&["--out", &out], 2, &["required"]);
     fs::create_dir(scratch.path("folder.obj")).expect("writable");
-    refuses(&["--rebuild", &flat, "--out", &scratch.path("folder.obj")], 2, &["folder.obj", "is a folder"]);
-    refuses(&["--rebuild", &flat, "--out", &scratch.path("no/such/mesh.obj")], 3, &["mesh.obj"]);
+    refuses(&["--rebuild", &flat, "--out", &scratch.path("folder.obj")], 2, &["folder.obj", "not the name of a file"]);
+    refuses(&["--rebuild", &flat, "--out", &scratch.path("cut.exr/mesh.obj")], 3, &["cut.exr"]);
     assert_eq!(scratch.count(), 3, "inputs and the folder");
 }

@@ -1,8 +1,13 @@
-//! Jobs beside the main one: they start from a finished map, or reuse the rooms that make it.
-//!
-//! | job | what |
-//! | --- | --- |
-//! | [`rebuild`] | a geometry image read back as a watertight mesh |
+//! Jobs beside the main one that reuse the rooms below: baking maps into a mesh's own texture coordinates, carrying images
+//! through a finished map, reading geometry images back as meshes.
 
+pub mod attributes;
+pub mod bake;
+pub mod canvas;
+pub mod finished_map;
+mod frames;
 pub mod rebuild;
-mod whole_file;
+pub mod texture;
+pub mod transfer;
+pub mod udim;
+pub mod uv;

@@ -11,10 +11,10 @@ mod sew;
 pub use read::{Layer, PositionImage, RGB};
 pub use sew::rebuild;
 
-use super::whole_file::write_whole;
-use crate::error::Result;
+use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::mesh::io::{Attribute, MeshFile, write_obj};
+use crate::stage::write::OutputFile;
 use glam::DVec2;
 use std::path::Path;
 
@@ -31,10 +31,12 @@ impl Rebuilt {
     /// Writes an OBJ file, which appears complete or not at all; positions are those of the pixels, exactly.
     ///
     /// # Errors
-    /// Input, if the file cannot be written.
+    /// Usage, if the path names no file; input, if the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         let file = MeshFile { uv: self.uv.clone(), ..MeshFile::of(&self.mesh) };
         let folder = path.parent().unwrap_or(path);
-        write_whole(path, |mut out| write_obj(&mut out, folder, &file, &file.positions))
+        let mut out = OutputFile::create(path)?;
+        write_obj(out.writer(), folder, &file, &file.positions).map_err(|e| Error::io(path, &e))?;
+        out.commit()
     }
 }

@@ -1,5 +1,6 @@
 //! What was typed.
 
+use crate::app::canvas::Padding;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -79,10 +80,10 @@ pub enum Command {
     Texture(Later),
     /// Diffusion parametrization of regions (comes with a later version)
     Diffuse(Later),
-    /// Read a geometry image back as a mesh, or bake maps into a mesh's own UVs (the latter comes with a later version)
+    /// Bake a map of a mesh into its own texture coordinates, or read a geometry image back as a mesh
     Bake(BakeArgs),
-    /// Carry an image through a finished map (comes with a later version)
-    Transfer(Later),
+    /// Carry an image of the source through a finished map to the target
+    Transfer(TransferArgs),
     /// Morph one shape into the other (comes with a later version)
     Morph(Later),
     /// Many maps, streamed (comes with a later version)
@@ -184,6 +185,83 @@ pub enum RelaxChoice {
 }
 
 #[derive(Args, Debug)]
+pub struct BakeArgs {
+    /// A mesh with texture coordinates
+    #[arg(required_unless_present = "rebuild", conflicts_with_all = ["rebuild", "layer"])]
+    pub mesh: Option<PathBuf>,
+    /// A geometry image of a finished map to be read back as a mesh: source_position.exr, target_position.exr or
+    /// geometry.exr
+    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["size", "map", "padding"])]
+    pub rebuild: Option<PathBuf>,
+    /// With --rebuild of geometry.exr: which mesh; default: source
+    #[arg(long, value_name = "source|target")]
+    pub layer: Option<LayerChoice>,
+    /// The EXR file; <UDIM> in its name stands for one file per tile. The mask comes beside it as FILE_mask. With
+    /// --rebuild the OBJ file
+    #[arg(long, value_name = "FILE")]
+    pub out: PathBuf,
+    /// Texels along a side, up to 16384
+    #[arg(long, default_value = "1024", value_name = "N")]
+    pub size: usize,
+    /// What to bake
+    #[arg(long, default_value = "position", value_name = "MAP")]
+    pub map: MapChoice,
+    /// Texels to fill around what triangles cover: a number or `infinite`
+    #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
+    pub padding: Padding,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerChoice {
+    Source,
+    Target,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MapChoice {
+    /// Positions in the mesh's units
+    Position,
+    /// Unit normals in object space
+    Normal,
+    /// Unit tangents along increasing u
+    Tangent,
+    /// Mean curvature, positive where convex
+    Curvature,
+    /// L2 stretch from texture space to the surface, 1 where there is none
+    Distortion,
+}
+
+#[derive(Args, Debug)]
+pub struct TransferArgs {
+    /// Folder of a finished map
+    pub dir: PathBuf,
+    /// The source's image: PNG, JPEG or EXR; <UDIM> in its name stands for one file per tile
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: PathBuf,
+    /// The target's image; <UDIM> in its name stands for one file per tile
+    #[arg(long, value_name = "IMAGE")]
+    pub out: PathBuf,
+    /// Texels along a side; default: as the source's image
+    #[arg(long, value_name = "N")]
+    pub size: Option<usize>,
+    /// Texels to fill around what triangles cover: a number or `infinite`
+    #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
+    pub padding: Padding,
+    /// The image holds normals in the source's tangent frames (OpenGL style): turn them into the target's
+    #[arg(long)]
+    pub normal_map: bool,
+    /// The image holds data, not colours: eight-bit values are not decoded from sRGB
+    #[arg(long)]
+    pub linear: bool,
+    /// Where the source is now, if not where it was mapped
+    #[arg(long, value_name = "FILE")]
+    pub source: Option<PathBuf>,
+    /// Where the target is now, if not where it was mapped
+    #[arg(long, value_name = "FILE")]
+    pub target: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct CheckArgs {
     /// Mesh files
     #[arg(required = true)]
@@ -201,32 +279,16 @@ pub struct MeasureArgs {
     pub compatible: PathBuf,
 }
 
-#[derive(Args, Debug)]
-pub struct BakeArgs {
-    /// The mesh whose own UVs are baked into (comes with a later version)
-    #[arg(required_unless_present = "rebuild", conflicts_with = "rebuild")]
-    pub mesh: Option<PathBuf>,
-    /// A geometry image of a finished map to be read back as a mesh: source_position.exr, target_position.exr or
-    /// geometry.exr
-    #[arg(long, value_name = "FILE")]
-    pub rebuild: Option<PathBuf>,
-    /// With --rebuild of geometry.exr: which mesh; default: source
-    #[arg(long, value_name = "source|target", conflicts_with = "mesh")]
-    pub layer: Option<LayerChoice>,
-    /// The file to be written: OBJ with --rebuild; appears complete or not at all
-    #[arg(long, value_name = "FILE")]
-    pub out: PathBuf,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum LayerChoice {
-    Source,
-    Target,
-}
-
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
 /// both meshes and their normals.
 const LARGEST_IMAGE: usize = (1 << 12) + 1;
+
+fn padding(text: &str) -> Result<Padding, String> {
+    match text {
+        "infinite" => Ok(Padding::Infinite),
+        _ => text.parse().map(Padding::Texels).map_err(|_| "use a number of texels or `infinite`".to_owned()),
+    }
+}
 
 fn share(text: &str) -> Result<f64, String> {
     let x: f64 = text.parse().map_err(|_| "not a number".to_owned())?;

@@ -5,21 +5,22 @@ use crate::error::{Error, Result};
 
 /// Fails for a command that comes later.
 pub fn refuse_command(command: &Command) -> Result<()> {
-    let what = match command {
-        Command::Texture(_) => "the command 'texture'",
-        Command::Diffuse(_) => "the command 'diffuse'",
-        Command::Bake(args) if args.mesh.is_some() => "baking a mesh's own UVs",
-        Command::Transfer(_) => "the command 'transfer'",
-        Command::Morph(_) => "the command 'morph'",
-        Command::Batch(_) => "the command 'batch'",
+    let name = match command {
+        Command::Texture(_) => "texture",
+        Command::Diffuse(_) => "diffuse",
+        Command::Morph(_) => "morph",
+        Command::Batch(_) => "batch",
         Command::Demo(_)
+        | Command::Transfer(_)
+        | Command::Bake(_)
         | Command::Map(_)
         | Command::Check(_)
         | Command::Measure(_)
-        | Command::Bake(_)
-        | Command::Devices => return Ok(()),
+        | Command::Devices => {
+            return Ok(());
+        }
     };
-    Err(later(what, "see homeo --help for what works today"))
+    Err(later(&format!("the command '{name}'"), "see homeo --help for what works today"))
 }
 
 /// Fails for a flag of `map` that comes later.

@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, what is printed.
 
 mod args;
+mod bake;
 mod check;
 mod console;
 mod demo;
@@ -12,6 +13,7 @@ mod progress;
 mod rebuild;
 mod summary;
 mod table;
+mod transfer;
 
 use crate::error::{Error, Result};
 use crate::pipeline::{install_panic_hook, message_of};
@@ -50,9 +52,13 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Demo(args) => demo::run(args, &cli.global, console),
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
-        Command::Bake(args) => rebuild::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
-        Command::Texture(_) | Command::Diffuse(_) | Command::Transfer(_) | Command::Morph(_) | Command::Batch(_) => {
+        Command::Transfer(args) => transfer::run(args, &cli.global, console),
+        Command::Bake(args) => match &args.rebuild {
+            Some(image) => rebuild::run(image, args, console),
+            None => bake::run(args, &cli.global, console),
+        },
+        Command::Texture(_) | Command::Diffuse(_) | Command::Morph(_) | Command::Batch(_) => {
             unreachable!("refused above")
         }
     }

@@ -18,11 +18,8 @@ struct Summary {
     boundary_loops: usize,
 }
 
-/// Runs the command.
-pub fn run(args: &BakeArgs, console: &Console) -> Result<ExitCode> {
-    let Some(image) = &args.rebuild else {
-        return Err(Error::bug("a bake without a mesh and without an image"));
-    };
+/// Runs the command on a geometry image.
+pub fn run(image: &Path, args: &BakeArgs, console: &Console) -> Result<ExitCode> {
     check_extension(&args.out)?;
     let layer = args.layer.map(|choice| match choice {
         LayerChoice::Source => Layer::Source,

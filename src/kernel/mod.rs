@@ -17,6 +17,7 @@ pub mod rings;
 pub mod stretch;
 pub mod sweep;
 pub mod sweep_batch;
+pub mod texels;
 pub mod vertex_stretch;
 
 use crate::error::{Error, Result};
@@ -28,13 +29,14 @@ pub use rings::{Lists, Rings};
 pub use stretch::{Stretch, energy, stretch};
 pub use sweep::Sight;
 pub use sweep_batch::{Piece, sweep_all};
+pub use texels::{FlatTriangle, NO_TRIANGLE, Texel, texels};
 
 /// A point in four lanes: `x, y, z` and one unused; in the plane `z = 0`.
 pub type Lanes = [f32; 4];
 
 /// All kernels, for tests that hold for each of them.
 pub const ALL: &[&Kernel] =
-    &[&stretch::KERNEL, &vertex_stretch::KERNEL, &relax::KERNEL, &resample::KERNEL, &sweep::KERNEL];
+    &[&stretch::KERNEL, &vertex_stretch::KERNEL, &relax::KERNEL, &resample::KERNEL, &sweep::KERNEL, &texels::KERNEL];
 
 /// Elements a thread takes at least; smaller pieces cost more to hand out than to compute.
 const GRAIN: usize = 1024;

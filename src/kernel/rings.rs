@@ -12,6 +12,16 @@ pub struct Lists {
 }
 
 impl Lists {
+    /// Joins lists.
+    pub fn new(lists: &[Vec<u32>]) -> Lists {
+        let mut starts = vec![0u32];
+        starts.extend(lists.iter().scan(0, |end, list| {
+            *end += list.len() as u32;
+            Some(*end)
+        }));
+        Lists { starts, items: lists.concat() }
+    }
+
     /// Number of lists.
     pub fn len(&self) -> usize {
         self.starts.len() - 1

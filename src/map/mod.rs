@@ -2,6 +2,7 @@
 
 pub mod atlas;
 pub mod certificate;
+pub mod charts;
 pub mod distortion;
 pub mod embedding;
 pub mod file_order;
@@ -14,5 +15,6 @@ pub mod refined;
 pub mod report;
 pub mod surface_map;
 pub mod tile_table;
+pub mod transport;
 
 pub use crate::path::base_complex;

@@ -2,6 +2,7 @@
 
 use super::base_complex::BaseComplex;
 use super::certificate::Certificate;
+use super::charts::Charts;
 use super::distortion::{Distortion, distortion};
 use super::flips::flips_on_target;
 use super::refined::RefinedMesh;
@@ -46,6 +47,8 @@ pub struct Product<'a> {
     pub relaxation: RelaxationSummary,
     /// Why the map is a homeomorphism.
     pub certificate: Certificate,
+    /// The map at every point.
+    pub charts: &'a Charts,
     /// Geometry images, unless they were not wanted.
     pub images: Option<&'a GeometryImages>,
     /// The compute device, in words.

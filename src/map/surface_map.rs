@@ -27,7 +27,8 @@ pub struct Chart<'a> {
 impl<'a> Chart<'a> {
     /// Prepares all patches of a mesh for location.
     pub fn new(mesh: &'a TriMesh, embedded: &'a EmbeddedMesh, base: &BaseComplex) -> Self {
-        let locators = embedded.discs.raw.par_iter().map(Locator::new).collect();
+        let locators =
+            embedded.discs.raw.par_iter().map(|disc| Locator::new(&disc.positions, &disc.triangles)).collect();
         let arc_paths = base.arcs.iter_ids().map(|(arc, ends)| embedded.cut.arc_path(arc, ends[0])).collect();
         Chart { mesh, embedded, locators, arc_paths }
     }

@@ -6,13 +6,14 @@
 
 use super::{IdVec, TriMesh, VertexId, metric, prev};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Where a radius is more than this many times the mesh's diagonal, the sphere is a plane.
 const FLAT: f64 = 1e6;
 
 /// The salient vertices of a mesh; a sphere is met within `tolerance`, in mesh units.
 pub fn salient_vertices(mesh: &TriMesh, tolerance: f64) -> Vec<VertexId> {
-    let curvature = mean_curvature_normals(mesh);
+    let curvature = mean_curvature_normals(&mesh.faces(), &mesh.positions);
     let diagonal = mesh.diagonal();
     let used = |v: &VertexId| mesh.conn.leaving(*v).is_some();
     let mut order: Vec<VertexId> = mesh.conn.vertices().filter(used).collect();
@@ -51,12 +52,14 @@ fn gap_to_sphere(at: DVec3, curvature: DVec3, flat: f64) -> impl Fn(DVec3) -> f6
 }
 
 /// Twice the mean curvature times the outer normal, at every vertex; zero on the boundary, which has none.
-fn mean_curvature_normals(mesh: &TriMesh) -> IdVec<VertexId, DVec3> {
-    let mut sum = IdVec::filled(DVec3::ZERO, mesh.positions.len());
-    let mut area = IdVec::filled(0.0, mesh.positions.len());
-    for f in mesh.conn.faces() {
-        let corners = mesh.conn.face(f);
-        let points = mesh.triangle(f);
+pub fn mean_curvature_normals(
+    triangles: &[[VertexId; 3]],
+    positions: &IdVec<VertexId, DVec3>,
+) -> IdVec<VertexId, DVec3> {
+    let mut sum = IdVec::filled(DVec3::ZERO, positions.len());
+    let mut area = IdVec::filled(0.0, positions.len());
+    for corners in triangles {
+        let points = corners.map(|v| positions[v]);
         let double_area = 2.0 * metric::area(points);
         if double_area == 0.0 {
             continue;
@@ -81,10 +84,21 @@ fn mean_curvature_normals(mesh: &TriMesh) -> IdVec<VertexId, DVec3> {
             };
         }
     }
-    let on_boundary =
-        |v: VertexId| mesh.conn.outgoing(v).any(|h| mesh.conn.twin(h).is_none() || mesh.conn.twin(prev(h)).is_none());
-    let one = |v: VertexId| if area[v] > 0.0 && !on_boundary(v) { sum[v] / area[v] } else { DVec3::ZERO };
-    mesh.conn.vertices().map(one).collect()
+    let on_boundary = boundary_vertices(triangles, positions.len());
+    let one = |v: VertexId| if area[v] > 0.0 && !on_boundary[v] { sum[v] / area[v] } else { DVec3::ZERO };
+    positions.ids().map(one).collect()
+}
+
+/// Marks the ends of edges that one triangle only has.
+fn boundary_vertices(triangles: &[[VertexId; 3]], count: usize) -> IdVec<VertexId, bool> {
+    let mut edges: Vec<[VertexId; 2]> =
+        triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]].map(|[p, q]| [p.min(q), p.max(q)])).collect();
+    edges.par_sort_unstable();
+    let mut marks = IdVec::filled(false, count);
+    for same in edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1) {
+        same[0].iter().for_each(|&v| marks[v] = true);
+    }
+    marks
 }
 
 #[cfg(test)]

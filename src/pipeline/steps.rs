@@ -7,7 +7,9 @@ use super::line::Step;
 use super::pair::Pair;
 use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
-use crate::map::embedding::Embedding;
+use crate::map::charts::{ChartedMesh, Charts};
+use crate::map::embedding::{EmbeddedMesh, Embedding};
+use crate::map::file_order::Onto;
 use crate::map::product::{GeometryImages, Product, Side};
 use crate::map::refined::{RefinedMesh, refined_mesh};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
@@ -47,6 +49,7 @@ pub struct Baked {
     relaxation: RelaxationSummary,
     map: CertifiedMap,
     notes: Vec<String>,
+    charts: Charts,
     images: Option<GeometryImages>,
     refined: Option<[RefinedMesh; 2]>,
 }
@@ -225,9 +228,17 @@ pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool,
     pair.then(|checked, Finished { summary, relaxation, composed, notes, refined }| {
         let images = geometry_images(compute, checked, &composed, size, layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
+        let embedded = &composed.embedding.meshes;
+        let charts =
+            Charts { meshes: [charted(&checked.source, &embedded[0]), charted(&checked.target, &embedded[1])] };
         let map = in_file_terms(checked, composed);
-        Ok(Baked { summary, relaxation, map, notes, images, refined })
+        Ok(Baked { summary, relaxation, map, notes, charts, images, refined })
     })
+}
+
+/// An embedded mesh in terms of its file.
+fn charted(LoadedMesh { file, mesh, omitted, canonical, .. }: &LoadedMesh, embedded: &EmbeddedMesh) -> ChartedMesh {
+    ChartedMesh::new(embedded, file, canonical, Onto { mesh, triangles: &file.triangles(), omitted })
 }
 
 pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
@@ -240,6 +251,7 @@ pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
         layout: made.summary.clone(),
         relaxation: made.relaxation.clone(),
         certificate: made.map.certificate,
+        charts: &made.charts,
         images: made.images.as_ref(),
         device,
         warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),

@@ -1,7 +1,6 @@
 //! Point location in the embedding of a patch, decided by the exact orientation predicate.
 
 use super::orientation::orientation;
-use super::patch_disc::PatchDisc;
 use glam::DVec2;
 
 /// Mean number of triangles per cell of the grid; fewer cells cost more tests, more cells more memory.
@@ -9,7 +8,8 @@ const TRIANGLES_PER_CELL: f64 = 2.0;
 
 /// A uniform grid over the reference triangle that lists the triangles meeting every cell.
 pub struct Locator<'a> {
-    disc: &'a PatchDisc,
+    positions: &'a [DVec2],
+    triangles: &'a [[u32; 3]],
     cells: usize,
     start: Vec<u32>,
     entries: Vec<u32>,
@@ -17,10 +17,11 @@ pub struct Locator<'a> {
 
 impl<'a> Locator<'a> {
     /// Prepares location in an embedded patch.
-    pub fn new(disc: &'a PatchDisc) -> Self {
-        let cells = ((disc.triangles.len() as f64 / TRIANGLES_PER_CELL).sqrt().ceil() as usize).max(1);
-        let mut locator = Locator { disc, cells, start: vec![0; cells * cells + 1], entries: Vec::new() };
-        for t in 0..disc.triangles.len() {
+    pub fn new(positions: &'a [DVec2], triangles: &'a [[u32; 3]]) -> Self {
+        let cells = ((triangles.len() as f64 / TRIANGLES_PER_CELL).sqrt().ceil() as usize).max(1);
+        let mut locator =
+            Locator { positions, triangles, cells, start: vec![0; cells * cells + 1], entries: Vec::new() };
+        for t in 0..triangles.len() {
             locator.for_cells(t, |start, cell| start[cell + 1] += 1);
         }
         for c in 0..cells * cells {
@@ -28,7 +29,7 @@ impl<'a> Locator<'a> {
         }
         let mut fill = locator.start.clone();
         let mut entries = vec![0; locator.start[cells * cells] as usize];
-        for t in 0..disc.triangles.len() {
+        for t in 0..triangles.len() {
             locator.for_cells(t, |_, cell| {
                 entries[fill[cell] as usize] = t as u32;
                 fill[cell] += 1;
@@ -40,7 +41,7 @@ impl<'a> Locator<'a> {
 
     /// Visits the cells that the bounding box of triangle `t` meets.
     fn for_cells(&mut self, t: usize, mut visit: impl FnMut(&mut [u32], usize)) {
-        let corners = self.disc.triangles[t].map(|v| self.disc.positions[v as usize]);
+        let corners = self.triangles[t].map(|v| self.positions[v as usize]);
         let low = corners.into_iter().fold(DVec2::INFINITY, DVec2::min);
         let high = corners.into_iter().fold(DVec2::NEG_INFINITY, DVec2::max);
         let ((i0, j0), (i1, j1)) = (self.cell(low), self.cell(high));
@@ -67,7 +68,7 @@ impl<'a> Locator<'a> {
     }
 
     fn coordinates(&self, t: usize, p: DVec2) -> Option<[f64; 3]> {
-        let [a, b, c] = self.disc.triangles[t].map(|v| self.disc.positions[v as usize]);
+        let [a, b, c] = self.triangles[t].map(|v| self.positions[v as usize]);
         let areas = [orientation(b, c, p), orientation(c, a, p), orientation(a, b, p)];
         let sum: f64 = areas.iter().sum();
         (areas.iter().all(|&x| x >= 0.0) && sum > 0.0).then(|| areas.map(|x| x / sum))

@@ -17,6 +17,8 @@ use exr::prelude::{
 };
 use rayon::prelude::*;
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
+use std::iter::Peekable;
+use std::vec::IntoIter;
 
 /// The name of the custom attribute.
 const ATTRIBUTE: &str = "homeo";
@@ -27,6 +29,9 @@ const BLOCKS_IN_FLIGHT: usize = 64;
 /// How many times larger than its file an image can be; more is not read, so that a small damaged file cannot claim all
 /// memory. Deflate, the densest compression in use, comes to 1032.
 const MAX_RATIO: u64 = 1 << 12;
+
+/// Rows of a block: bands of an image that is written piece by piece consist of whole blocks.
+pub const BLOCK_ROWS: usize = 16;
 
 /// One channel of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,8 +97,41 @@ impl FloatImage {
 /// Input, if `out` fails; bug, if the image has no pixels or channels of unequal length, or the text is not ASCII.
 pub fn write(image: &FloatImage, json: &str, out: impl Write + Seek) -> Result<()> {
     image.check()?;
-    let headers = SmallVec::from_iter([header(image, json)?]);
-    exr::block::write(out, headers, true, |meta, writer| write_blocks(image, &meta, writer)).map_err(writing_failed)
+    let names: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
+    let planes: Vec<&[f32]> = image.planes.iter().map(|plane| plane.values.as_slice()).collect();
+    write_bands([image.width, image.height], &names, json, out, |band| band(&planes))
+}
+
+/// Takes the next rows of an image, for every channel in the order of the names.
+pub type BandSink<'a> = dyn FnMut(&[&[f32]]) -> Result<()> + 'a;
+
+/// Writes an image of `[width, height]` whose rows `make` hands over in bands from the top; every band but the last has a
+/// multiple of [`BLOCK_ROWS`] rows. Channel names come in alphabetic order.
+///
+/// # Errors
+/// Those of `make`; input, if `out` fails; bug, if the bands do not make up the image or the text is not ASCII.
+pub fn write_bands(
+    size: [usize; 2],
+    names: &[&str],
+    json: &str,
+    out: impl Write + Seek,
+    make: impl FnOnce(&mut BandSink) -> Result<()>,
+) -> Result<()> {
+    let headers = SmallVec::from_iter([header(size, names, json)?]);
+    let mut failure = None;
+    let written = exr::block::write(out, headers, true, |meta, writer| {
+        let mut blocks = Blocks::new(size, &meta, writer);
+        let made = make(&mut |planes| blocks.push(planes));
+        let made = made.and_then(|()| blocks.finish());
+        made.map_err(|error| {
+            failure = Some(error);
+            exr::error::Error::Aborted
+        })
+    });
+    match failure {
+        Some(error) => Err(error),
+        None => written.map_err(writing_failed),
+    }
 }
 
 /// The bytes of the file that [`write()`] writes.
@@ -149,47 +187,81 @@ fn unreadable(error: exr::error::Error) -> Error {
     Error::input(error.to_string()).remedy("use a whole OpenEXR file")
 }
 
-fn header(image: &FloatImage, json: &str) -> Result<Header> {
+fn header([width, height]: [usize; 2], names: &[&str], json: &str) -> Result<Header> {
     if !json.is_ascii() {
         return Err(Error::bug("the text for an image is not ASCII"));
     }
-    let channel = |plane: &Plane| {
-        Text::new_or_none(&plane.name)
+    let channel = |&name: &&str| {
+        Text::new_or_none(name)
             .map(|name| ChannelDescription::named(name, SampleType::F32))
-            .ok_or_else(|| Error::bug("a channel name is not ASCII").at(&plane.name))
+            .ok_or_else(|| Error::bug("a channel name is not ASCII").at(name))
     };
-    let channels = image.planes.iter().map(channel).collect::<Result<SmallVec<_>>>()?;
+    let channels = names.iter().map(channel).collect::<Result<SmallVec<_>>>()?;
     let attribute = (Text::new_or_panic(ATTRIBUTE), AttributeValue::Text(Text::new_or_panic(json))); // both ASCII
     let attributes = LayerAttributes { other: [attribute].into(), ..LayerAttributes::default() };
-    Ok(Header::new(Text::new_or_panic(""), (image.width, image.height), channels)
+    Ok(Header::new(Text::new_or_panic(""), (width, height), channels)
         .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(attributes))
 }
 
-/// Compresses blocks, some at a time, and writes them in order.
-fn write_blocks<W: Write + Seek>(
-    image: &FloatImage,
-    meta: &MetaData,
-    writer: &mut ChunkWriter<W>,
-) -> exr::error::UnitResult {
-    let blocks: Vec<(usize, BlockIndex)> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-    for batch in blocks.chunks(BLOCKS_IN_FLIGHT) {
-        let compress = |&(_, index): &(usize, BlockIndex)| block(image, meta, index).compress_to_chunk(&meta.headers);
-        let chunks: Vec<exr::error::Result<Chunk>> = batch.par_iter().map(compress).collect();
-        for (&(number, _), chunk) in batch.iter().zip(chunks) {
-            writer.write_chunk(number, chunk?)?;
+/// The blocks of a file on their way into it.
+struct Blocks<'a, W: Write + Seek> {
+    width: usize,
+    meta: &'a MetaData,
+    writer: &'a mut ChunkWriter<W>,
+    /// Blocks not written yet, from the top, with their numbers.
+    open: Peekable<IntoIter<(usize, BlockIndex)>>,
+    /// Rows handed over so far.
+    rows: usize,
+}
+
+impl<'a, W: Write + Seek> Blocks<'a, W> {
+    fn new([width, _]: [usize; 2], meta: &'a MetaData, writer: &'a mut ChunkWriter<W>) -> Self {
+        let open: Vec<(usize, BlockIndex)> = enumerate_ordered_header_block_indices(&meta.headers).collect();
+        Blocks { width, meta, writer, open: open.into_iter().peekable(), rows: 0 }
+    }
+
+    /// Compresses the blocks of the next rows, some at a time, and writes them in order.
+    fn push(&mut self, planes: &[&[f32]]) -> Result<()> {
+        let first = self.rows;
+        self.rows += planes.first().map_or(0, |plane| plane.len() / self.width);
+        let rows = self.rows;
+        let is_whole = |(_, index): &(usize, BlockIndex)| index.pixel_position.y() + index.pixel_size.height() <= rows;
+        let mut ready = Vec::new();
+        while let Some(block) = self.open.next_if(is_whole) {
+            ready.push(block);
+        }
+        for batch in ready.chunks(BLOCKS_IN_FLIGHT) {
+            let compress = |&(_, index): &(usize, BlockIndex)| {
+                block(planes, first, self.width, self.meta, index).compress_to_chunk(&self.meta.headers)
+            };
+            let chunks: Vec<exr::error::Result<Chunk>> = batch.par_iter().map(compress).collect();
+            for (&(number, _), chunk) in batch.iter().zip(chunks) {
+                let written = chunk.and_then(|chunk| self.writer.write_chunk(number, chunk));
+                written.map_err(writing_failed)?;
+            }
+        }
+        match self.open.peek() {
+            Some((_, index)) if index.pixel_position.y() < rows => Err(Error::bug("a band ends inside a block")),
+            _ => Ok(()),
         }
     }
-    Ok(())
+
+    fn finish(&mut self) -> Result<()> {
+        match self.open.peek() {
+            None => Ok(()),
+            Some(_) => Err(Error::bug(format!("the image ends after {} rows", self.rows))),
+        }
+    }
 }
 
 /// A block's scanlines, for each line one channel after the other, in native byte order as the library expects.
-fn block(image: &FloatImage, meta: &MetaData, index: BlockIndex) -> UncompressedBlock {
+fn block(planes: &[&[f32]], first: usize, width: usize, meta: &MetaData, index: BlockIndex) -> UncompressedBlock {
     let channels = &meta.headers[index.layer].channels;
     UncompressedBlock::from_lines(channels, index, |line| {
         let at = line.location;
-        let start = at.position.1 * image.width + at.position.0;
-        let values = &image.planes[at.channel].values[start..start + at.sample_count];
+        let start = (at.position.y() - first) * width + at.position.x();
+        let values = &planes[at.channel][start..start + at.sample_count];
         line.value.copy_from_slice(bytemuck::cast_slice(values));
     })
 }

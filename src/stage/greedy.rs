@@ -59,9 +59,9 @@ pub fn greedy(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Res
     if let Some(pair) = missing(&growth) {
         return Ok(Greedy::Stuck(pair));
     }
-    let mut base = base_complex(&growth.halves[0].cut, &growth.arcs)?;
-    flip_paths(&mut growth, &mut base)?;
-    let [source, target] = growth.halves;
+    flip_paths(&mut growth)?;
+    let Growth { halves: [source, target], arcs, .. } = growth;
+    let base = base_complex(&source.cut, &arcs)?;
     Ok(Greedy::Complete(Grown { base, cuts: [source.cut, target.cut] }))
 }
 

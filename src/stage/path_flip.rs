@@ -9,6 +9,7 @@ use crate::error::Result;
 use crate::mesh::{ArcId, LandmarkId};
 use crate::path::base_complex::{BaseComplex, DirectedArc, NO_PATCH};
 use crate::path::network::{Corner, embed, terminal};
+use crate::path::region::base_complex;
 use crate::path::search::Anywhere;
 
 /// A flip must make the arc shorter by this share, so that flips end.
@@ -25,13 +26,14 @@ struct Flip {
     patches: [[DirectedArc; 3]; 2],
 }
 
-/// Flips arcs until none gets shorter; `base` is the complex of the layout.
-pub(super) fn flip_paths(growth: &mut Growth, base: &mut BaseComplex) -> Result<()> {
+/// Flips arcs until none gets shorter.
+pub(super) fn flip_paths(growth: &mut Growth) -> Result<()> {
+    let mut base = base_complex(&growth.halves[0].cut, &growth.arcs)?;
     for _ in 0..SWEEPS {
         let mut flipped = false;
         for arc in base.arcs.ids() {
-            if let Some(flip) = flip_of(base, arc) {
-                flipped |= try_flip(growth, base, arc, flip)?;
+            if let Some(flip) = flip_of(&base, arc) {
+                flipped |= try_flip(growth, &mut base, arc, flip)?;
             }
         }
         if !flipped {

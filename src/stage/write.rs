@@ -1,11 +1,14 @@
 //! Writes a finished map: meshes, image points, layout, report, into a folder that appears complete or not at all.
 
+pub mod file;
 pub mod folder;
 pub mod points_csv;
 
+pub use file::OutputFile;
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;
+use crate::map::charts::MAP_FILE;
 use crate::map::file_order::{Onto, number_in_file};
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
 use crate::map::product::{Finest, Product, Side};
@@ -33,6 +36,8 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
     for (name, bytes) in product.images.iter().flat_map(|images| &images.files) {
         folder.write(&format!("geometry/{name}"), |out| out.write_all(bytes))?;
     }
+    let charts = product.charts.encode()?;
+    folder.write(MAP_FILE, |out| out.write_all(&charts))?;
     folder.write("layout.json", |out| Ok(serde_json::to_writer(out, &layout_file(product))?))?;
     let report = report(product, seconds);
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;

@@ -1,0 +1,173 @@
+//! Bakes maps of a mesh into its own texture coordinates.
+//!
+//! Input: a mesh with texture coordinates. Output: an EXR file per tile, and beside it the mask of the texels that
+//! triangles cover. Invariant: a texel inside the mask holds the value at the surface point it shows; those in the
+//! gutters hold that of the nearest texel inside, as far as the padding goes; the rest is zero.
+
+use super::attributes::{BakeMap, corner_values, require_uv};
+use super::canvas::{Band, Canvas, Padding};
+use super::udim::{beside, file_of, is_pattern};
+use super::uv::{Tile, UvTriangles};
+use crate::error::{Error, Result};
+use crate::gpu::Compute;
+use crate::kernel::{Lanes, NO_TRIANGLE, Query, Texel, resample};
+use crate::mesh::io::MeshFile;
+use crate::stage::exr::{BandSink, write_bands};
+use crate::stage::write::OutputFile;
+use rayon::prelude::*;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// The largest side of a baked image, in texels.
+pub const LARGEST: usize = 16384;
+
+/// What to bake.
+#[derive(Clone, Copy, Debug)]
+pub struct BakeOptions {
+    /// The map.
+    pub map: BakeMap,
+    /// Texels along a side, at most [`LARGEST`].
+    pub size: usize,
+    /// How far gutters are filled.
+    pub padding: Padding,
+}
+
+/// What was baked, and what is odd about the texture coordinates.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct BakeReport {
+    /// The images.
+    pub files: Vec<PathBuf>,
+    /// Texels inside the masks.
+    pub covered: usize,
+    /// Texels that several triangles cover; the first of them shows.
+    pub overlapping: Oddity,
+    /// Triangles that are turned over in texture space.
+    pub flipped: Oddity,
+    /// Triangles without texture coordinates.
+    pub missing: Oddity,
+    /// Triangles that reach beyond the unit square although there is one tile only.
+    pub outside: Oddity,
+}
+
+/// How often something odd occurs, and where.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Oddity {
+    /// How often.
+    pub count: usize,
+    /// A face with it: the polygon's number in the file.
+    pub face: Option<u32>,
+}
+
+impl Oddity {
+    fn of(triangles: &[u32], polygons: &[u32]) -> Oddity {
+        Oddity { count: triangles.len(), face: triangles.first().map(|&t| polygons[t as usize]) }
+    }
+}
+
+/// Bakes a map of `mesh` into `out`, an EXR file, or one per tile where its name has `<UDIM>`.
+///
+/// # Errors
+/// Usage, for a size out of range; input, for a mesh without texture coordinates or a file that cannot be written.
+pub fn bake(compute: &Compute, mesh: &MeshFile, out: &Path, options: &BakeOptions) -> Result<BakeReport> {
+    require_uv(mesh)?;
+    super::canvas::check_size(options.size, LARGEST)?;
+    let uv = UvTriangles::of(mesh);
+    let values = corner_values(mesh, &uv.corners, options.map);
+    let polygons = mesh.triangle_polygons();
+    let tiles = if is_pattern(out) { uv.tiles() } else { vec![[0, 0]] };
+    let outside = if is_pattern(out) { Vec::new() } else { uv.outside() };
+    let mut report = BakeReport {
+        flipped: Oddity::of(&uv.flipped, &polygons),
+        missing: Oddity::of(&uv.missing, &polygons),
+        outside: Oddity::of(&outside, &polygons),
+        ..BakeReport::default()
+    };
+    for tile in tiles {
+        bake_tile(compute, out, options, (&uv, tile), &values, &polygons, &mut report)?;
+    }
+    Ok(report)
+}
+
+fn bake_tile(
+    compute: &Compute,
+    out: &Path,
+    options: &BakeOptions,
+    (uv, tile): (&UvTriangles, Tile),
+    values: &[Lanes],
+    polygons: &[u32],
+    report: &mut BakeReport,
+) -> Result<()> {
+    let canvas = Canvas::new(options.size, options.size, &uv.seen_from(tile));
+    let path = file_of(out, tile)?;
+    let mask_path = beside(&path, "mask");
+    let (mut image, mut mask) = (OutputFile::create(&path)?, OutputFile::create(&mask_path)?);
+    let size = [options.size; 2];
+    let [name, unit] = options.map.words();
+    let names: &[&str] = if options.map.is_vector() { &["B", "G", "R"] } else { &["Y"] };
+    write_bands(size, names, &metadata(name, unit)?, image.writer(), |image| {
+        write_bands(size, &["Y"], &metadata("mask", "1 inside, 0 outside")?, mask.writer(), |mask| {
+            canvas.bands(compute, options.padding, |band| {
+                count(&band, polygons, report);
+                write_mask(&band, mask)?;
+                let pixels = interpolate(compute, &band.texels, values, options.map.is_direction())?;
+                write_planes(&pixels, names.len(), image)
+            })
+        })
+    })
+    .map_err(|e| if e.file.is_empty() { e.file(&path) } else { e })?;
+    image.commit()?;
+    mask.commit()?;
+    report.files.extend([path, mask_path]);
+    Ok(())
+}
+
+fn count(band: &Band, polygons: &[u32], report: &mut BakeReport) {
+    report.covered += band.texels.iter().filter(|t| t.covers > 0).count();
+    let several = || band.texels.iter().filter(|t| t.covers > 1);
+    report.overlapping.count += several().count();
+    let first = several().next().map(|t| polygons[t.triangle as usize]);
+    report.overlapping.face = report.overlapping.face.or(first);
+}
+
+/// The values that texels show; zero where they show none.
+fn interpolate(compute: &Compute, texels: &[Texel], values: &[Lanes], is_direction: bool) -> Result<Vec<Lanes>> {
+    let query = |texel: &Texel| {
+        let (first, [w0, w1, w2]) = match texel.triangle {
+            NO_TRIANGLE => (0, [0.0; 3]),
+            t => (3 * t, texel.weights()),
+        };
+        Query { i0: first, i1: first + 1, i2: first + 2, w0, w1, w2 }
+    };
+    let queries: Vec<Query> = texels.par_iter().map(query).collect();
+    let mut pixels = resample(compute, &queries, values)?;
+    if is_direction {
+        pixels.par_iter_mut().for_each(|p| *p = glam::Vec4::from_array(*p).normalize_or_zero().to_array());
+    }
+    Ok(pixels)
+}
+
+fn write_mask(band: &Band, sink: &mut BandSink) -> Result<()> {
+    let inside: Vec<f32> = band.texels.iter().map(|t| f32::from(u8::from(t.covers > 0))).collect();
+    sink(&[&inside])
+}
+
+/// Hands over the first lanes of pixels, the last channel first: `B`, `G`, `R`.
+fn write_planes(pixels: &[Lanes], channels: usize, sink: &mut BandSink) -> Result<()> {
+    let planes: Vec<Vec<f32>> = (0..channels).rev().map(|k| pixels.iter().map(|p| p[k]).collect()).collect();
+    sink(&planes.iter().map(Vec::as_slice).collect::<Vec<_>>())
+}
+
+/// The JSON text of a baked image.
+#[derive(Serialize)]
+struct Metadata<'a> {
+    version: u32,
+    image: &'a str,
+    units: &'a str,
+    #[serde(rename = "colorInteropID")]
+    color_interop_id: &'a str,
+}
+
+fn metadata(image: &str, units: &str) -> Result<String> {
+    let metadata = Metadata { version: crate::stage::bake::METADATA_VERSION, image, units, color_interop_id: "data" };
+    serde_json::to_string(&metadata).map_err(|error| Error::bug(error.to_string()))
+}

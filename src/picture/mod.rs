@@ -1,0 +1,8 @@
+//! Pictures: textures read from and written to image files, and sampled.
+
+pub mod file;
+pub mod pyramid;
+mod srgb;
+
+pub use file::{Depth, Picture, read_picture};
+pub use pyramid::Pyramid;
