@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import warnings
 from functools import cache
 from pathlib import Path
 
@@ -9,6 +10,9 @@ import numpy
 import OpenEXR
 import OpenImageIO
 import trimesh
+
+# Polygons with other vertices than triangles make trimesh take means of nothing when it reads texture coordinates.
+warnings.filterwarnings("ignore", category=RuntimeWarning, module="trimesh")
 
 
 class Mesh:

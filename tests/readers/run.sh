@@ -18,7 +18,7 @@ environment() {
     "$place/bin/pip" install --quiet --disable-pip-version-check "$@" && touch "$place/complete"
 }
 
-environment main OpenEXR OpenImageIO trimesh numpy scipy rtree
+environment main OpenEXR OpenImageIO trimesh numpy scipy rtree pillow
 environment meshlab pymeshlab || echo "run.sh: no PyMeshLab here" >&2
 [[ ${BLENDER:-yes} == no ]] || environment blender bpy || echo "run.sh: no Blender here" >&2
 if command -v npm >/dev/null && [[ ! -d $readers/npm/node_modules/gltf-validator ]]; then
