@@ -36,10 +36,15 @@
 //!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
 //! ```
 //!
+//! # Other jobs
+//!
+//! They stand in [`app`]. [`app::rebuild`] reads a geometry image back as a mesh: pixels that sample one point become one
+//! vertex, by the tile table in the image and never by position, so the mesh is as closed as the surface.
+//!
 //! # Who may import whom
 //!
 //! ```text
-//! cli -> pipeline -> stage, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
+//! cli -> pipeline -> app, stage, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
 //! ```
 //!
 //! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in

@@ -2,7 +2,7 @@
 
 mod base_complexes;
 
-use base_complexes::{OCTAHEDRON, atlas_of, complex, from_triangles, octahedron_corners};
+use base_complexes::{OCTAHEDRON, atlas_of, complex, from_triangles, mesh_of, octahedron_corners};
 use glam::DVec3;
 use homeo::ErrorKind;
 use homeo::map::atlas::{Atlas, BaseSample, Pixel};
@@ -10,7 +10,6 @@ use homeo::map::base_complex::{BaseComplex, DirectedArc};
 use homeo::map::tile_table::TileTable;
 use homeo::mesh::{ArcId, Id, IdVec, LandmarkId, PatchId};
 use homeo::stage::exr::FloatImage;
-use homeo::stage::rebuild::rebuild;
 use std::collections::HashMap;
 
 fn tetrahedron() -> BaseComplex {
@@ -189,7 +188,7 @@ fn rebuilt_meshes_are_closed_with_the_euler_characteristic_of_the_base_complex()
     for (name, base, euler) in closed() {
         for tile_size in [2, 3, 5, 9, 33] {
             let atlas = atlas_of(&base, tile_size);
-            let mesh = rebuild(&bulged_image(&base, &atlas), &atlas, &base)
+            let mesh = mesh_of(&bulged_image(&base, &atlas), &atlas, &base)
                 .unwrap_or_else(|error| panic!("{name} at {tile_size}: {error}"));
             assert!(mesh.conn.boundary_loops().is_empty(), "{name} at {tile_size} is open");
             assert_eq!(mesh.conn.euler_characteristic(), euler, "{name} at {tile_size}");
@@ -233,7 +232,7 @@ fn every_complex_on_a_walk_of_random_flips_rebuilds_seed_7() {
             base = next;
             loops += base.arcs.iter().filter(|ends| ends[0] == ends[1]).count();
             let atlas = atlas_of(&base, [2, 3, 5, 9][step % 4]);
-            let mesh = rebuild(&bulged_image(&base, &atlas), &atlas, &base)
+            let mesh = mesh_of(&bulged_image(&base, &atlas), &atlas, &base)
                 .unwrap_or_else(|error| panic!("{base:?}: {error}"));
             assert!(mesh.conn.boundary_loops().is_empty() && mesh.conn.euler_characteristic() == euler, "{base:?}");
             assert_eq!(TileTable::new(&atlas, &base).parts().expect("sound"), (atlas, base.clone()));
@@ -247,7 +246,7 @@ fn an_open_base_complex_rebuilds_to_a_disc() {
     let base = complex(4, &[[0, 1], [1, 2], [2, 0], [2, 3], [3, 0]], &[[1, 2, 3], [-3, 4, 5]]);
     let atlas = atlas_of(&base, 9);
     assert_eq!(atlas.tiles.len(), 1);
-    let mesh = rebuild(&bulged_image(&base, &atlas), &atlas, &base).expect("a sound image");
+    let mesh = mesh_of(&bulged_image(&base, &atlas), &atlas, &base).expect("a sound image");
     assert_eq!((mesh.conn.euler_characteristic(), mesh.conn.boundary_loops().len()), (1, 1));
     assert_eq!(mesh.conn.boundary_loops()[0].len(), 4 * 8);
 }
@@ -261,12 +260,12 @@ fn torn_borders_are_refused_by_pixel() {
     for value in [7.0, f32::NAN] {
         let mut torn = sound.clone();
         torn.planes[0].values[atlas.index(border)] = value;
-        let error = rebuild(&torn, &atlas, &base).expect_err("two tiles disagree");
+        let error = mesh_of(&torn, &atlas, &base).expect_err("two tiles disagree");
         assert_eq!(error.kind, ErrorKind::Input);
         assert!(error.element.contains("column"), "{error}");
     }
     let other = atlas_of(&base, 9);
-    assert_eq!(rebuild(&sound, &other, &base).expect_err("another size").kind, ErrorKind::Input);
+    assert_eq!(mesh_of(&sound, &other, &base).expect_err("another size").kind, ErrorKind::Input);
 }
 
 #[test]

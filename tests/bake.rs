@@ -2,7 +2,7 @@
 
 mod base_complexes;
 
-use base_complexes::{OCTAHEDRON, atlas_of, complex, from_triangles, octahedron_corners};
+use base_complexes::{OCTAHEDRON, atlas_of, complex, from_triangles, mesh_of, octahedron_corners};
 use glam::DVec3;
 use homeo::map::atlas::{Atlas, BaseSample};
 use homeo::map::base_complex::BaseComplex;
@@ -10,7 +10,6 @@ use homeo::map::tile_table::TileTable;
 use homeo::mesh::{ArcId, FaceId, Id, IdVec, TriMesh, VertexId};
 use homeo::stage::bake::{BakedImage, Metadata, Query, Sampled, bake, encode_layered};
 use homeo::stage::exr;
-use homeo::stage::rebuild::rebuild;
 use std::io::Cursor;
 
 /// Interpolates in plain f32 arithmetic.
@@ -76,7 +75,7 @@ fn baked_octahedron_lies_on_the_octahedron_and_rebuilds_to_it() {
         assert!((s - 1.0 - z.abs()).abs() < 1e-6, "stretch {s} at height {z}");
     }
     assert!(images[5].image.plane("Y").expect("Y").iter().all(|&y| y == 1.0));
-    let volume = |i: usize| rebuild(&images[i].image, &atlas, &base).expect("watertight").volume();
+    let volume = |i: usize| mesh_of(&images[i].image, &atlas, &base).expect("watertight").volume();
     assert!((volume(0) - 4.0 / 3.0).abs() < 1e-6, "volume {}", volume(0));
     assert!((volume(2) - 32.0 / 3.0).abs() < 1e-5, "volume {}", volume(2));
 }
@@ -93,7 +92,7 @@ fn an_image_file_alone_rebuilds_the_mesh() {
     let metadata: Metadata = serde_json::from_str(&json).expect("our own text");
     assert_eq!((metadata.image.as_str(), metadata.color_interop_id.as_str()), ("source_position", "data"));
     let (atlas, base) = metadata.atlas.parts().expect("a sound table");
-    let mesh = rebuild(&image, &atlas, &base).expect("a sound image");
+    let mesh = mesh_of(&image, &atlas, &base).expect("a sound image");
     assert_eq!((mesh.conn.face_count(), mesh.genus()), (8 * 16 * 16, 0));
     assert!((mesh.volume() - 4.0 / 3.0).abs() < 1e-6);
 }
@@ -122,7 +121,7 @@ fn a_layered_file_holds_every_image_and_shows_the_first() {
     }
     assert_eq!(file.planes.len(), 3 + 4 * 3 + 2);
     let (atlas, base) = metadata.atlas.parts().expect("a sound table");
-    assert!((rebuild(&file, &atlas, &base).expect("watertight").volume() - 4.0 / 3.0).abs() < 1e-6);
+    assert!((mesh_of(&file, &atlas, &base).expect("watertight").volume() - 4.0 / 3.0).abs() < 1e-6);
     assert!(encode_layered(&[], &table).is_err());
 }
 

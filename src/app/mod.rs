@@ -1,5 +1,5 @@
 //! Jobs beside the main one that reuse the rooms below: baking maps into a mesh's own texture coordinates, carrying images
-//! through a finished map.
+//! through a finished map, reading geometry images back as meshes.
 
 pub mod atlas_mesh;
 pub mod attributes;
@@ -8,6 +8,7 @@ pub mod canvas;
 pub mod destination;
 pub mod finished_map;
 mod frames;
+pub mod rebuild;
 pub mod texture;
 pub mod transfer;
 pub mod udim;

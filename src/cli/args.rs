@@ -80,7 +80,7 @@ pub enum Command {
     Texture(Later),
     /// Diffusion parametrization of regions (comes with a later version)
     Diffuse(Later),
-    /// Bake a map of a mesh into its own texture coordinates
+    /// Bake a map of a mesh into its own texture coordinates, or read a geometry image back as a mesh
     Bake(BakeArgs),
     /// Carry an image of the source through a finished map to the target
     Transfer(TransferArgs),
@@ -187,9 +187,18 @@ pub enum RelaxChoice {
 #[derive(Args, Debug)]
 pub struct BakeArgs {
     /// A mesh with texture coordinates
-    pub mesh: PathBuf,
-    /// The EXR file; <UDIM> in its name stands for one file per tile. The mask comes beside it as FILE_mask
-    #[arg(long, value_name = "FILE.exr")]
+    #[arg(required_unless_present = "rebuild", conflicts_with_all = ["rebuild", "layer"])]
+    pub mesh: Option<PathBuf>,
+    /// A geometry image of a finished map to be read back as a mesh: source_position.exr, target_position.exr or
+    /// geometry.exr
+    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["size", "map", "padding"])]
+    pub rebuild: Option<PathBuf>,
+    /// With --rebuild of geometry.exr: which mesh; default: source
+    #[arg(long, value_name = "source|target")]
+    pub layer: Option<LayerChoice>,
+    /// The EXR file; <UDIM> in its name stands for one file per tile. The mask comes beside it as FILE_mask. With
+    /// --rebuild the OBJ file
+    #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Texels along a side, up to 16384
     #[arg(long, default_value = "1024", value_name = "N")]
@@ -200,6 +209,12 @@ pub struct BakeArgs {
     /// Texels to fill around what triangles cover: a number or `infinite`
     #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
     pub padding: Padding,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum LayerChoice {
+    Source,
+    Target,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

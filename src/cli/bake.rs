@@ -21,7 +21,8 @@ pub fn run(args: &BakeArgs, global: &Global, console: &Console) -> Result<ExitCo
         MapChoice::Curvature => BakeMap::Curvature,
         MapChoice::Distortion => BakeMap::Distortion,
     };
-    let mesh = read_mesh(&args.mesh)?;
+    let mesh = args.mesh.as_deref().ok_or_else(|| Error::bug("a bake without a mesh"))?;
+    let mesh = read_mesh(mesh)?;
     let Ok(choice) = global.device.parse::<DeviceChoice>();
     let compute = Device::open(&choice)?.compute;
     let options = BakeOptions { map, size: args.size, padding: args.padding };

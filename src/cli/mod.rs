@@ -10,6 +10,7 @@ mod later;
 mod map;
 mod measure;
 mod progress;
+mod rebuild;
 mod summary;
 mod table;
 mod transfer;
@@ -53,7 +54,10 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Measure(args) => measure::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
         Command::Transfer(args) => transfer::run(args, &cli.global, console),
-        Command::Bake(args) => bake::run(args, &cli.global, console),
+        Command::Bake(args) => match &args.rebuild {
+            Some(image) => rebuild::run(image, args, console),
+            None => bake::run(args, &cli.global, console),
+        },
         Command::Texture(_) | Command::Diffuse(_) | Command::Morph(_) | Command::Batch(_) => {
             unreachable!("refused above")
         }

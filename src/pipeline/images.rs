@@ -11,14 +11,17 @@ use crate::map::tile_table::TileTable;
 use crate::mesh::{FaceId, IdVec, TriMesh, VertexId};
 use crate::path::base_complex::BaseComplex;
 use crate::stage::bake::{BakedImage, Query, Sampled, bake, encode_layered};
-use crate::stage::compose::Composed;
+use crate::stage::check::Checked;
+use crate::stage::compose::{Composed, base_in_file_terms};
 use glam::DVec3;
 use rayon::prelude::*;
 
 /// The images with `size` samples along a tile's side, each in a file of its own unless `layered`; none if `size` is 0.
+///
+/// The tile table speaks of the landmarks by their numbers in the file, like everything that is written.
 pub fn geometry_images(
     compute: &Compute,
-    meshes: [&TriMesh; 2],
+    checked: &Checked,
     composed: &Composed,
     size: usize,
     layered: bool,
@@ -26,7 +29,7 @@ pub fn geometry_images(
     if size == 0 {
         return Ok(None);
     }
-    let base = &composed.embedding.base;
+    let (meshes, base) = (checked.meshes(), &composed.embedding.base);
     let atlas = Atlas::new(base, size, None)?;
     let samples: Vec<BaseSample> = atlas.samples(base).map(|(_, sample)| sample).collect();
     let points = |k: usize| sample_points(meshes[k], &composed.embedding.meshes[k], base, &samples);
@@ -38,7 +41,7 @@ pub fn geometry_images(
     };
     let source = Sampled { mesh: meshes[0], points: &on_source };
     let target = Sampled { mesh: meshes[1], points: &on_target };
-    let table = TileTable::new(&atlas, base);
+    let table = TileTable::new(&atlas, &base_in_file_terms(checked, base.clone()));
     let images = bake(base, &atlas, source, target, &stretch, &resample)?;
     let file = |image: &BakedImage| Ok((format!("{}.exr", image.name), image.encode(&table)?));
     let files = if layered {

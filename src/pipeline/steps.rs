@@ -226,7 +226,7 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool, step: &Step) -> Result<Pair<Baked>> {
     let texture = pair.outputs.texture.clone();
     pair.then(|checked, Finished { summary, relaxation, composed, mut notes, refined }| {
-        let images = geometry_images(compute, checked.meshes(), &composed, size, layered)?;
+        let images = geometry_images(compute, checked, &composed, size, layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
         let (files, more) = further_files(compute, checked, &composed, images.as_ref(), texture.as_deref())?;
         notes.extend(more);

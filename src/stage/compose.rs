@@ -39,15 +39,21 @@ pub struct CertifiedMap {
 
 /// Leaves the canonical order in which the stages work.
 pub fn in_file_terms(checked: &Checked, composed: Composed) -> CertifiedMap {
-    let Composed { embedding: Embedding { mut base, .. }, mut maps, mut arcs, certificate } = composed;
-    let number = |l: LandmarkId| checked.landmark_order.get(l.index()).map_or(l, |&given| LandmarkId::new(given));
-    base.arcs.raw.iter_mut().for_each(|ends| *ends = ends.map(number));
+    let Composed { embedding: Embedding { base, .. }, mut maps, mut arcs, certificate } = composed;
+    let base = base_in_file_terms(checked, base);
     let orders = [&checked.source.canonical, &checked.target.canonical];
     for k in 0..2 {
         maps[k].images = images_there(&maps[k].images, [orders[k], orders[1 - k]]);
         arcs[k].raw.iter_mut().flatten().for_each(|point| *point = orders[k].point_there(*point));
     }
     CertifiedMap { base, maps, arcs, certificate }
+}
+
+/// The same base complex with the landmarks numbered as in their file.
+pub fn base_in_file_terms(checked: &Checked, mut base: BaseComplex) -> BaseComplex {
+    let number = |l: LandmarkId| checked.landmark_order.get(l.index()).map_or(l, |&given| LandmarkId::new(given));
+    base.arcs.raw.iter_mut().for_each(|ends| *ends = ends.map(number));
+    base
 }
 
 /// Images in terms of the files, those of appended vertices behind the others; `orders` are the canonical orders of the

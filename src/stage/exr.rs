@@ -16,7 +16,7 @@ use exr::prelude::{
     SampleType, SmallVec, Text,
 };
 use rayon::prelude::*;
-use std::io::{Cursor, Read, Seek, Write};
+use std::io::{Cursor, Read, Seek, SeekFrom, Write};
 use std::iter::Peekable;
 use std::vec::IntoIter;
 
@@ -25,6 +25,10 @@ const ATTRIBUTE: &str = "homeo";
 
 /// Blocks compressed at once, 16 scanlines each: enough to keep many cores busy, few enough to bound the memory.
 const BLOCKS_IN_FLIGHT: usize = 64;
+
+/// How many times larger than its file an image can be; more is not read, so that a small damaged file cannot claim all
+/// memory. Deflate, the densest compression in use, comes to 1032.
+const MAX_RATIO: u64 = 1 << 12;
 
 /// Rows of a block: bands of an image that is written piece by piece consist of whole blocks.
 pub const BLOCK_ROWS: usize = 16;
@@ -140,11 +144,12 @@ pub fn encode(image: &FloatImage, json: &str) -> Result<Vec<u8>> {
 /// Reads a file written by [`write()`]: the image and its JSON text.
 ///
 /// # Errors
-/// Input, if the file is not OpenEXR, has other than 32-bit float channels, or lacks the text.
-pub fn read(buffered: impl Read + Seek) -> Result<(FloatImage, String)> {
+/// Input, if the file is not OpenEXR, has other than 32-bit float channels in full resolution, or lacks the text.
+pub fn read(mut buffered: impl Read + Seek) -> Result<(FloatImage, String)> {
+    check_claim(&mut buffered).map_err(unreadable)?;
     let reader = exr::image::read::read().no_deep_data().largest_resolution_level().all_channels();
     let file = reader.first_valid_layer().all_attributes().non_parallel().from_buffered(buffered);
-    let layer = file.map_err(|error| Error::input(error.to_string()).remedy("is it an OpenEXR file?"))?.layer_data;
+    let layer = file.map_err(unreadable)?.layer_data;
     let Some(AttributeValue::Text(json)) = layer.attributes.other.get(ATTRIBUTE.as_bytes()) else {
         let what = format!("the image has no attribute '{ATTRIBUTE}'");
         return Err(Error::input(what).remedy("use a geometry image that this program wrote"));
@@ -155,9 +160,31 @@ pub fn read(buffered: impl Read + Seek) -> Result<(FloatImage, String)> {
         let FlatSamples::F32(values) = channel.sample_data else {
             return Err(Error::input("not a channel of 32-bit floats").at(format!("channel {name}")));
         };
+        if values.len() != layer.size.area() {
+            return Err(Error::input("a channel without a value for every pixel").at(format!("channel {name}")));
+        }
         planes.push(Plane { name, values });
     }
     Ok((FloatImage { width: layer.size.0, height: layer.size.1, planes }, json.to_string()))
+}
+
+/// Refuses files whose header claims more pixels than the file can hold.
+fn check_claim(file: &mut (impl Read + Seek)) -> exr::error::UnitResult {
+    let meta = MetaData::read_from_buffered(&mut *file, false)?;
+    let length = file.seek(SeekFrom::End(0))?;
+    file.rewind()?;
+    let bytes = |header: &Header| -> u64 {
+        let samples = [header.layer_size.0, header.layer_size.1, header.channels.list.len()];
+        samples.iter().fold(size_of::<f32>() as u64, |product, &n| product.saturating_mul(n as u64))
+    };
+    if meta.headers.iter().all(|header| bytes(header) / MAX_RATIO <= length) {
+        return Ok(());
+    }
+    Err(exr::error::Error::Invalid("more pixels than the file can hold".into()))
+}
+
+fn unreadable(error: exr::error::Error) -> Error {
+    Error::input(error.to_string()).remedy("use a whole OpenEXR file")
 }
 
 fn header([width, height]: [usize; 2], names: &[&str], json: &str) -> Result<Header> {

@@ -21,7 +21,6 @@ pub mod order;
 mod path_flip;
 pub mod polish;
 pub mod polygon;
-pub mod rebuild;
 pub mod refine;
 pub mod relax;
 pub mod stretch;

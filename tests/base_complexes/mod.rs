@@ -1,9 +1,12 @@
 //! Base complexes for tests, and the octahedron as one.
 
 use glam::DVec3;
+use homeo::Result;
+use homeo::app::rebuild::{PositionImage, RGB, rebuild};
 use homeo::map::atlas::Atlas;
 use homeo::map::base_complex::{BaseComplex, DirectedArc};
-use homeo::mesh::{ArcId, LandmarkId};
+use homeo::mesh::{ArcId, LandmarkId, TriMesh};
+use homeo::stage::exr::FloatImage;
 
 /// A base complex from the ends of its arcs and, per patch, its sides: arc `a` forward is `a + 1`, backward `-a - 1`.
 pub fn complex(landmarks: usize, arcs: &[[u32; 2]], patches: &[[i32; 3]]) -> BaseComplex {
@@ -45,4 +48,9 @@ pub fn octahedron_corners() -> Vec<DVec3> {
 /// An atlas without preferences.
 pub fn atlas_of(base: &BaseComplex, tile_size: usize) -> Atlas {
     Atlas::new(base, tile_size, None).expect("the tile size is allowed")
+}
+
+/// The mesh that the channels R, G, B of an image hold.
+pub fn mesh_of(image: &FloatImage, atlas: &Atlas, base: &BaseComplex) -> Result<TriMesh> {
+    Ok(rebuild(&PositionImage::new(image, RGB, atlas.clone(), base.clone())?)?.mesh)
 }

@@ -4,7 +4,7 @@
 //! `3 f + i` leaves corner `i` of face `f`, as in [`crate::mesh::Connectivity`], which needs distinct ends.
 
 use crate::error::{Error, Result};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Marks a missing twin, vertex or slot.
 pub(super) const NONE: usize = usize::MAX;
@@ -13,13 +13,24 @@ pub(super) const NONE: usize = usize::MAX;
 /// simplicial; a round that splits only edges needs a few more.
 const MAX_ROUNDS: usize = 16;
 
-/// Glued triangles with vertex positions.
+/// A corner of a face.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Node {
+    /// Its vertex.
+    pub(super) vertex: usize,
+    /// Its texture coordinates.
+    pub(super) uv: usize,
+}
+
+/// Glued triangles with vertex positions and texture coordinates.
 #[derive(Default)]
 pub(super) struct Glued {
     /// Vertex positions.
     pub(super) positions: Vec<DVec3>,
-    /// The vertex each half-edge leaves.
-    start: Vec<usize>,
+    /// Texture coordinates.
+    pub(super) uv: Vec<DVec2>,
+    /// The corner each half-edge leaves.
+    start: Vec<Node>,
     /// The other half of each edge; [`NONE`] on the boundary.
     twin: Vec<usize>,
 }
@@ -39,12 +50,12 @@ impl Glued {
     }
 
     /// The corners of all faces.
-    pub(super) fn faces(&self) -> impl Iterator<Item = [usize; 3]> {
+    pub(super) fn faces(&self) -> impl Iterator<Item = [Node; 3]> {
         (0..self.face_count()).map(|f| [self.start[3 * f], self.start[3 * f + 1], self.start[3 * f + 2]])
     }
 
     /// Adds a face that is not glued to anything and returns its number.
-    pub(super) fn add_face(&mut self, corners: [usize; 3]) -> usize {
+    pub(super) fn add_face(&mut self, corners: [Node; 3]) -> usize {
         self.start.extend(corners);
         self.twin.extend([NONE; 3]);
         self.face_count() - 1
@@ -78,7 +89,7 @@ impl Glued {
 
     /// The ends of the edge of `h`, the lower first, and `h`.
     fn edge(&self, h: usize) -> (usize, usize, usize) {
-        let (a, b) = (self.start[h], self.start[next(h)]);
+        let (a, b) = (self.start[h].vertex, self.start[next(h)].vertex);
         (a.min(b), a.max(b), h)
     }
 
@@ -100,20 +111,30 @@ impl Glued {
 
     /// Splits the edge of `h` at its midpoint, and the faces at it, which must differ; `h` keeps its start.
     fn split(&mut self, h: usize) {
-        let midpoint = (self.positions[self.start[h]] + self.positions[self.start[next(h)]]) * 0.5;
-        let m = self.positions.len();
-        self.positions.push(midpoint);
+        let ends = [self.start[h], self.start[next(h)]];
+        let vertex = self.positions.len();
+        self.positions.push(ends.map(|end| self.positions[end.vertex]).iter().sum::<DVec3>() * 0.5);
+        let uv = self.middle(ends);
         let twin = self.twin[h];
-        let rest = self.split_side(h, m);
+        let rest = self.split_side(h, Node { vertex, uv });
         if twin != NONE {
-            let twin_rest = self.split_side(twin, m);
+            let twin_ends = [self.start[next(twin)], self.start[twin]];
+            let same = ends.iter().zip(&twin_ends).all(|(a, b)| a.uv == b.uv);
+            let uv = if same { uv } else { self.middle(twin_ends) };
+            let twin_rest = self.split_side(twin, Node { vertex, uv });
             self.join(h, twin_rest);
             self.join(twin, rest);
         }
     }
 
+    /// New texture coordinates halfway between two corners of a face.
+    fn middle(&mut self, ends: [Node; 2]) -> usize {
+        self.uv.push(ends.map(|end| self.uv[end.uv]).iter().sum::<DVec2>() * 0.5);
+        self.uv.len() - 1
+    }
+
     /// Face (a, b, c) with `h` = a b becomes (a, m, c), and a new face is (m, b, c); returns the half-edge m b.
-    fn split_side(&mut self, h: usize, m: usize) -> usize {
+    fn split_side(&mut self, h: usize, m: Node) -> usize {
         let bc = next(h);
         let rest = 3 * self.add_face([m, self.start[bc], self.start[prev(h)]]);
         self.start[bc] = m;
