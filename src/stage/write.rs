@@ -1,8 +1,10 @@
 //! Writes a finished map: meshes, image points, layout, report, into a folder that appears complete or not at all.
 
+pub mod file;
 pub mod folder;
 pub mod points_csv;
 
+pub use file::write_file;
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;

@@ -9,6 +9,7 @@ pub mod landmarks;
 mod library_path;
 pub mod materials;
 pub mod mesh_file;
+mod normals;
 mod obj;
 mod obj_block;
 pub mod obj_write;
