@@ -36,10 +36,12 @@
 //!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
 //! ```
 //!
+//! What is done with finished maps stands in [`app`]: morphs.
+//!
 //! # Who may import whom
 //!
 //! ```text
-//! cli -> pipeline -> stage, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
+//! cli -> pipeline -> stage, app, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
 //! ```
 //!
 //! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in
@@ -115,6 +117,7 @@
 //! - Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates" (1997).
 //! - Gu, Gortler, Hoppe, "Geometry images" (2002).
 
+pub mod app;
 pub mod cli;
 pub mod error;
 pub mod gpu;

@@ -10,11 +10,13 @@ pub fn refuse_command(command: &Command) -> Result<()> {
         Command::Diffuse(_) => "diffuse",
         Command::Bake(_) => "bake",
         Command::Transfer(_) => "transfer",
-        Command::Morph(_) => "morph",
         Command::Batch(_) => "batch",
-        Command::Demo(_) | Command::Map(_) | Command::Check(_) | Command::Measure(_) | Command::Devices => {
-            return Ok(());
-        }
+        Command::Demo(_)
+        | Command::Map(_)
+        | Command::Check(_)
+        | Command::Measure(_)
+        | Command::Morph(_)
+        | Command::Devices => return Ok(()),
     };
     Err(later(&format!("the command '{name}'"), "see homeo --help for what works today"))
 }

@@ -8,6 +8,7 @@ mod devices;
 mod later;
 mod map;
 mod measure;
+mod morph;
 mod progress;
 mod summary;
 mod table;
@@ -49,13 +50,11 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Demo(args) => demo::run(args, &cli.global, console),
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
+        Command::Morph(args) => morph::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
-        Command::Texture(_)
-        | Command::Diffuse(_)
-        | Command::Bake(_)
-        | Command::Transfer(_)
-        | Command::Morph(_)
-        | Command::Batch(_) => unreachable!("refused above"),
+        Command::Texture(_) | Command::Diffuse(_) | Command::Bake(_) | Command::Transfer(_) | Command::Batch(_) => {
+            unreachable!("refused above")
+        }
     }
 }
 
