@@ -48,7 +48,7 @@ pub struct Morph<'a> {
     pub mesh: &'a MeshFile,
     /// Its name.
     pub name: &'a str,
-    /// The other shapes, each with the mesh's vertices.
+    /// The other shapes, one at least, each with the mesh's vertices.
     pub targets: &'a [MorphTarget],
     /// The colour texture; used only if the mesh has texture coordinates.
     pub image: Option<&'a TextureImage>,
