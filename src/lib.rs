@@ -39,7 +39,9 @@
 //! # Other jobs
 //!
 //! They stand in [`app`]. [`app::rebuild`] reads a geometry image back as a mesh: pixels that sample one point become one
-//! vertex, by the tile table in the image and never by position, so the mesh is as closed as the surface.
+//! vertex, by the tile table in the image and never by position, so the mesh is as closed as the surface. [`app::bake`] draws a
+//! mesh's values in its own texture coordinates, [`app::transfer`] an image of one mesh in those of the other, and
+//! [`app::morph`] puts finished maps into one file as morph targets.
 //!
 //! # Who may import whom
 //!

@@ -97,7 +97,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
 
 #[test]
 fn what_comes_later_is_refused_and_says_so() {
-    for command in ["texture", "diffuse", "morph", "batch"] {
+    for command in ["texture", "diffuse", "batch"] {
         refuses(&[command], 2, &[command, "comes with a later version"]);
         refuses(&[command, "some.obj", "--frames", "3"], 2, &[command, "comes with a later version"]);
     }
@@ -267,9 +267,9 @@ fn devices_says_what_is_taken() {
 #[test]
 fn colours_are_off_without_a_terminal_and_on_when_asked_for() {
     let colourful = |output: &Output| output.stderr.contains(&0x1b);
-    assert!(!colourful(&homeo(&["morph"])));
-    assert!(colourful(&homeo(&["morph", "--color", "always"])) || colourful(&homeo(&["--color", "always", "morph"])));
-    assert!(!colourful(&homeo(&["--color", "never", "morph"])));
+    assert!(!colourful(&homeo(&["batch"])));
+    assert!(colourful(&homeo(&["batch", "--color", "always"])) || colourful(&homeo(&["--color", "always", "batch"])));
+    assert!(!colourful(&homeo(&["--color", "never", "batch"])));
 }
 
 #[test]

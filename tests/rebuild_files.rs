@@ -198,7 +198,15 @@ fn a_finished_maps_images_name_its_landmarks_and_rebuild() {
         PathBuf::from(scratch.add(name, &text))
     });
     let landmarks = scratch.add("l.csv", format!("name,source_vertex,target_vertex\n{rows}").as_bytes()).into();
-    let job = MapJob { source, target, landmarks, target_landmarks: None, hint: None, out: scratch.0.join("out") };
+    let job = MapJob {
+        source,
+        target,
+        landmarks,
+        target_landmarks: None,
+        hint: None,
+        texture: None,
+        out: scratch.0.join("out"),
+    };
     let options = MapOptions { image: TILE, ..MapOptions::default() };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU is always there");
     run_maps(vec![job], &options, device, &Silent, |outcome| assert!(outcome.value.is_ok()));

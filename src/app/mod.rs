@@ -1,5 +1,5 @@
 //! Jobs beside the main one that reuse the rooms below: baking maps into a mesh's own texture coordinates, carrying images
-//! through a finished map, reading geometry images back as meshes.
+//! through a finished map, reading geometry images back as meshes, morphs.
 
 pub mod atlas_mesh;
 pub mod attributes;
@@ -8,8 +8,12 @@ pub mod canvas;
 pub mod destination;
 pub mod finished_map;
 mod frames;
+mod map_folder;
+pub mod morph;
 pub mod rebuild;
 pub mod texture;
 pub mod transfer;
 pub mod udim;
 pub mod uv;
+
+pub use map_folder::MapFolder;

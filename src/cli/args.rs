@@ -74,6 +74,8 @@ pub enum Command {
     Check(CheckArgs),
     /// Measure the distortion of a compatible mesh
     Measure(MeasureArgs),
+    /// Write finished maps as morph targets of one GLB file
+    Morph(MorphArgs),
     /// List compute adapters and which one `auto` takes
     Devices,
     /// Hard-constrained texture coordinates (comes with a later version)
@@ -84,8 +86,6 @@ pub enum Command {
     Bake(BakeArgs),
     /// Carry an image of the source through a finished map to the target
     Transfer(TransferArgs),
-    /// Morph one shape into the other (comes with a later version)
-    Morph(Later),
     /// Many maps, streamed (comes with a later version)
     Batch(Later),
 }
@@ -277,6 +277,22 @@ pub struct MeasureArgs {
     pub source: PathBuf,
     /// The same vertices and faces at the positions after the map
     pub compatible: PathBuf,
+}
+
+#[derive(Args, Debug)]
+pub struct MorphArgs {
+    /// Folders that `homeo map` wrote, all from one source; each target's shape becomes a morph target
+    #[arg(required = true, value_name = "DIR")]
+    pub maps: Vec<PathBuf>,
+    /// The GLB file; appears complete or not at all
+    #[arg(long, value_name = "FILE.glb")]
+    pub out: PathBuf,
+    /// Also write N steps from the source to each target beside FILE, as FILE_000.obj and so on
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    pub frames: Option<u32>,
+    /// A PNG or JPEG file to embed as colour texture; default: the one that the source's materials name
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
 }
 
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with

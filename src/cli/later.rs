@@ -8,7 +8,6 @@ pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
         Command::Texture(_) => "texture",
         Command::Diffuse(_) => "diffuse",
-        Command::Morph(_) => "morph",
         Command::Batch(_) => "batch",
         Command::Demo(_)
         | Command::Transfer(_)
@@ -16,6 +15,7 @@ pub fn refuse_command(command: &Command) -> Result<()> {
         | Command::Map(_)
         | Command::Check(_)
         | Command::Measure(_)
+        | Command::Morph(_)
         | Command::Devices => {
             return Ok(());
         }

@@ -9,6 +9,7 @@ mod devices;
 mod later;
 mod map;
 mod measure;
+mod morph;
 mod progress;
 mod rebuild;
 mod summary;
@@ -52,13 +53,14 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Demo(args) => demo::run(args, &cli.global, console),
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
+        Command::Morph(args) => morph::run(args, console),
         Command::Devices => devices::run(&cli.global, console),
         Command::Transfer(args) => transfer::run(args, &cli.global, console),
         Command::Bake(args) => match &args.rebuild {
             Some(image) => rebuild::run(image, args, console),
             None => bake::run(args, &cli.global, console),
         },
-        Command::Texture(_) | Command::Diffuse(_) | Command::Morph(_) | Command::Batch(_) => {
+        Command::Texture(_) | Command::Diffuse(_) | Command::Batch(_) => {
             unreachable!("refused above")
         }
     }

@@ -145,12 +145,12 @@ impl<'m> Subdivision<'m> {
         };
         let after: Vec<[u32; 3]> = before.iter().flat_map(split).collect();
         let here = |v: u32| if v == new { point.position(self.mesh) } else { self.position(v) };
-        let (limit, measure): (f64, &dyn Fn(&[[u32; 3]]) -> f64) = match images {
-            Some(images) => (LEAST_ANGLE, &|triangles| least_angle(triangles, &here, images)),
-            None => (HAIR, &|triangles| least_angle_here(triangles, &here)),
-        };
-        let least = measure(&after);
-        least > limit || least >= measure(&before)
+        let limit = if images.is_some() { LEAST_ANGLE } else { HAIR };
+        let [old, least] = [&before, &after].map(|triangles| match images {
+            Some(images) => least_angle(triangles, &here, images),
+            None => least_angle_here(triangles, &here),
+        });
+        least > limit || least >= old
     }
 
     fn position(&self, v: u32) -> DVec3 {

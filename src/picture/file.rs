@@ -3,6 +3,7 @@
 //! Inside, values are linear: colours of eight bits are decoded from sRGB on the way in and encoded on the way out, unless
 //! the image holds data. Sixteen bits and floats are taken as they are. Alpha is never converted.
 
+use super::exr_file::read_exr;
 use super::srgb;
 use crate::error::{Error, Result};
 use image::{ColorType, DynamicImage, ImageFormat};
@@ -47,6 +48,9 @@ pub fn read_picture(path: &Path, data: bool) -> Result<Picture> {
     let format = image::guess_format(&bytes).map_err(|_| unknown())?;
     if !matches!(format, ImageFormat::Png | ImageFormat::Jpeg | ImageFormat::OpenExr) {
         return Err(unknown());
+    }
+    if format == ImageFormat::OpenExr {
+        return read_exr(&bytes).map_err(|e| e.file(path));
     }
     let decoded = image::load_from_memory_with_format(&bytes, format)
         .map_err(|e| Error::input(format!("the image cannot be read: {e}")).file(path).remedy("export it again"))?;

@@ -1,5 +1,6 @@
 //! Pictures: textures read from and written to image files, and sampled.
 
+mod exr_file;
 pub mod file;
 pub mod pyramid;
 mod srgb;

@@ -4,7 +4,7 @@ pub mod file;
 pub mod folder;
 pub mod points_csv;
 
-pub use file::OutputFile;
+pub use file::{OutputFile, write_file};
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;

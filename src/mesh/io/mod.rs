@@ -9,6 +9,7 @@ pub mod landmarks;
 mod library_path;
 pub mod materials;
 pub mod mesh_file;
+mod normals;
 mod obj;
 mod obj_block;
 pub mod obj_write;
@@ -18,6 +19,7 @@ mod ply;
 mod scan;
 mod stl;
 
+pub use gltf::{Morph, MorphTarget, MorphedMesh, TextureImage, write_morph};
 pub use hint::{Hint, HintLoop, parse_hint, read_hint};
 pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};

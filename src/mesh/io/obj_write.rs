@@ -2,12 +2,10 @@
 
 use super::library_path::library_from;
 use super::mesh_file::MeshFile;
+use super::normals::vertex_normals;
 use glam::DVec3;
 use std::io::{BufWriter, Result, Write};
 use std::path::Path;
-
-/// Written for a vertex whose faces have no area, where any direction is as good.
-const ANY_NORMAL: DVec3 = DVec3::Z;
 
 /// Writes `mesh` with `positions`, one per vertex, in place of its own: same vertices, polygons, texture coordinates and groups.
 ///
@@ -52,18 +50,4 @@ fn write_face(out: &mut impl Write, mesh: &MeshFile, polygon: usize, with_normal
         }
     }
     out.write_all(b"\n")
-}
-
-/// Unit normals at the vertices, weighted by area.
-fn vertex_normals(mesh: &MeshFile, positions: &[DVec3]) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; positions.len()];
-    for triangle in mesh.triangle_corners() {
-        let v = triangle.map(|c| mesh.corners[c].0 as usize);
-        let [a, b, c] = v.map(|v| positions[v]);
-        let doubled = (b - a).cross(c - a);
-        for v in v {
-            normals[v] += doubled;
-        }
-    }
-    normals.into_iter().map(|n| n.try_normalize().unwrap_or(ANY_NORMAL)).collect()
 }

@@ -105,11 +105,11 @@ impl Drop for OutputFolder {
     }
 }
 
-const TEMPORARY: &str = "tmp";
+pub(super) const TEMPORARY: &str = "tmp";
 const REPLACED: &str = "old";
 
 /// `.NAME.KIND-PID` beside `finished`.
-fn sibling(finished: &Path, kind: &str, process: u32) -> PathBuf {
+pub(super) fn sibling(finished: &Path, kind: &str, process: u32) -> PathBuf {
     finished.with_file_name(format!("{}{process}", sibling_prefix(finished, kind)))
 }
 
@@ -118,25 +118,25 @@ fn sibling_prefix(finished: &Path, kind: &str) -> String {
     format!(".{name}.{kind}-")
 }
 
-/// Links resolved, so that the folder itself is replaced and not a link to it.
-fn absolute(dir: &Path) -> Result<PathBuf> {
+/// Links resolved, so that the output itself is replaced and not a link to it.
+pub(super) fn absolute(dir: &Path) -> Result<PathBuf> {
     let path = match fs::canonicalize(dir) {
         Ok(path) => path,
         Err(_) => std::path::absolute(dir).map_err(|e| Error::io(dir, &e))?,
     };
     if path.file_name().is_none() {
-        return Err(Error::usage("the output folder has no name of its own").file(dir).remedy("name a new folder"));
+        return Err(Error::usage("the output place has no name of its own").file(dir).remedy("name a new one"));
     }
     Ok(path)
 }
 
 /// The folder that holds `path`; itself for a root, which [`absolute`] refuses.
-fn parent_of(path: &Path) -> &Path {
+pub(super) fn parent_of(path: &Path) -> &Path {
     path.parent().unwrap_or(path)
 }
 
 /// Removes what dead processes left beside `finished`; an output they had moved away is put back first.
-fn clean_leftovers(finished: &Path) -> Result<()> {
+pub(super) fn clean_leftovers(finished: &Path) -> Result<()> {
     let parent = parent_of(finished);
     let entries = fs::read_dir(parent).map_err(|e| Error::io(parent, &e))?;
     for entry in entries.flatten() {
@@ -148,10 +148,14 @@ fn clean_leftovers(finished: &Path) -> Result<()> {
         }
         let path = entry.path();
         let is_only_copy = replaced.is_some() && !finished.exists();
-        let cleaned = if is_only_copy { fs::rename(&path, finished) } else { fs::remove_dir_all(&path) };
+        let cleaned = if is_only_copy { fs::rename(&path, finished) } else { remove(&path) };
         cleaned.map_err(|e| Error::io(&path, &e))?;
     }
     Ok(())
+}
+
+fn remove(path: &Path) -> std::io::Result<()> {
+    if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) }
 }
 
 /// True if another process with this number may be running; where the system does not say, it may.
@@ -173,12 +177,12 @@ fn sync_folders(dir: &Path) -> std::io::Result<()> {
 }
 
 #[cfg(unix)]
-fn sync_folder(dir: &Path) -> std::io::Result<()> {
+pub(super) fn sync_folder(dir: &Path) -> std::io::Result<()> {
     File::open(dir)?.sync_all()
 }
 
 /// Folders cannot be opened as files here; the rename itself is durable enough.
 #[cfg(not(unix))]
-fn sync_folder(_: &Path) -> std::io::Result<()> {
+pub(super) fn sync_folder(_: &Path) -> std::io::Result<()> {
     Ok(())
 }

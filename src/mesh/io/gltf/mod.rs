@@ -1,16 +1,24 @@
-//! glTF 2.0 reader: `.gltf` with embedded or separate buffers, and `.glb`.
+//! glTF 2.0: a reader of `.gltf` with embedded or separate buffers and of `.glb`, and a writer of morphs as `.glb`.
 //!
 //! Read are the triangles of all meshes in the scene, each placed by its node, one after the other in the order in which
 //! the nodes are met from the scene's roots downwards. Within a mesh, primitives that share their positions share vertices;
 //! every other primitive brings vertices of its own. So vertices keep the order of their accessors, and none is merged:
 //! most exporters double the vertices along seams of normals or texture coordinates, which leaves the surface cut open
 //! there, and a warning says so. Skins, morph targets, points and lines are left out.
+//! What is written keeps the order of the vertices as well: [`write_morph`].
 //!
 //! Source: Khronos, "glTF 2.0 Specification", 2021.
 
 mod accessor;
+mod chunks;
 mod document;
+mod image;
+mod morph;
 mod scene;
+mod seams;
+
+pub use image::TextureImage;
+pub use morph::{Morph, MorphTarget, MorphedMesh, write_morph};
 
 use super::mesh_file::{Attribute, MeshFile, NO_INDEX};
 use crate::{Error, Result};
