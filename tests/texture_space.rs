@@ -44,16 +44,19 @@ fn baked(mesh: &MeshFile, map: BakeMap, size: usize, padding: Padding, out: &Pat
     read_picture(out, true).expect("an image")
 }
 
-/// The surface point of a texel: position by brute force over all triangles; none outside.
-fn surface_point(mesh: &MeshFile, uv: DVec2) -> Option<DVec3> {
+/// Closer to an edge than this, as a weight, a texel may belong to either side.
+const ON_EDGE: f64 = 1e-4;
+
+/// The surface point at a texture coordinate, by brute force over all triangles, and its least weight: none outside.
+fn surface_point(mesh: &MeshFile, uv: DVec2) -> Option<(DVec3, f64)> {
     mesh.triangle_corners().find_map(|corners| {
         let [a, b, c] = corners.map(|k| mesh.uv.at(k).expect("a texture coordinate"));
         let areas = [(b - uv).perp_dot(c - uv), (c - uv).perp_dot(a - uv), (a - uv).perp_dot(b - uv)];
         let sum: f64 = areas.iter().sum();
-        let inside = areas.iter().all(|x| x / sum >= 0.0);
+        let least = areas.iter().map(|x| x / sum).fold(f64::INFINITY, f64::min);
         let point =
             || corners.iter().zip(areas).map(|(&k, w)| mesh.positions[mesh.corners[k].0 as usize] * (w / sum)).sum();
-        inside.then(point)
+        (least > -ON_EDGE).then(|| (point(), least))
     })
 }
 
@@ -74,8 +77,9 @@ fn a_position_map_holds_the_surface_and_its_gutters_the_nearest_of_it() {
     for (i, pixel) in image.pixels.iter().enumerate() {
         let value = DVec3::new(pixel[0].into(), pixel[1].into(), pixel[2].into());
         let expected = surface_point(&mesh, texel_uv(i, size));
-        assert_eq!(inside[i], expected.is_some(), "texel {i}");
-        if let Some(expected) = expected {
+        let is_on_edge = expected.is_some_and(|(_, least)| least < ON_EDGE);
+        assert!(is_on_edge || inside[i] == expected.is_some(), "texel {i}");
+        if let Some((expected, _)) = expected.filter(|_| inside[i]) {
             assert!(value.distance(expected) < 1e-5, "texel {i}: {value} {expected}");
             continue;
         }
@@ -102,13 +106,18 @@ fn normals_tangents_curvature_and_distortion_of_a_sphere() {
     let (position, normal, tangent) = (map(BakeMap::Position), map(BakeMap::Normal), map(BakeMap::Tangent));
     let (curvature, distortion) = (map(BakeMap::Curvature), map(BakeMap::Distortion));
     let inside = (0..64 * 64).filter(|&i| position.pixels[i] != [0.0, 0.0, 0.0, 1.0]);
+    let (mut sum, mut count) = (0.0, 0.0);
     for i in inside {
         let [p, n, t] = [&position, &normal, &tangent].map(|image| vector(&image.pixels[i]));
         assert!(n.distance(p.normalize()) < 0.02 && (n.length() - 1.0).abs() < 1e-5, "{n} at {p}");
         assert!(t.dot(n).abs() < 0.02 && (t.length() - 1.0).abs() < 1e-5, "{t} at {p}");
-        assert!((curvature.pixels[i][0] - 1.0).abs() < 0.15, "{}", curvature.pixels[i][0]);
+        // At the poles, where four triangles meet, the formula is coarse.
+        assert!((0.6..1.4).contains(&curvature.pixels[i][0]), "{}", curvature.pixels[i][0]);
+        sum += curvature.pixels[i][0];
+        count += 1.0;
         assert!((0.7..1.6).contains(&distortion.pixels[i][0]), "{}", distortion.pixels[i][0]);
     }
+    assert!((sum / count - 1.0f32).abs() < 0.03, "mean curvature {}", sum / count);
 }
 
 #[test]
@@ -256,7 +265,7 @@ fn no_colour_bleeds_across_seams() {
     let target = &map.meshes[1];
     let mut wrong = 0;
     for (i, pixel) in carried.pixels.iter().enumerate() {
-        if surface_point(target, texel_uv(i, 240)).is_some() {
+        if surface_point(target, texel_uv(i, 240)).is_some_and(|(_, least)| least > ON_EDGE) {
             wrong += usize::from(!palette.contains(pixel));
         }
     }

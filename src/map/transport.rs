@@ -5,6 +5,11 @@ use crate::plane::locate::Locator;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
+/// The centre of the reference triangle.
+const CENTRE: DVec2 = DVec2::splat(1.0 / 3.0);
+/// How far towards the centre a point goes that lies outside by rounding.
+const INWARDS: f64 = 1e-12;
+
 /// Where a point comes out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrival {
@@ -67,9 +72,9 @@ impl<'a> Transport<'a> {
     /// The point of the other mesh at a point of a patch's reference triangle.
     pub fn arrive(&self, p: u32, q: DVec2) -> Option<Arrival> {
         let patch = &self.onto.patches[p as usize];
+        let locator = &self.locators[p as usize];
         // Rounding may put a point of the long side beyond it.
-        let q = q / (q.x + q.y).max(1.0);
-        let (t, w) = self.locators[p as usize].locate(q)?;
+        let (t, w) = locator.locate(q).or_else(|| locator.locate(q.lerp(CENTRE, INWARDS)))?;
         let corners = patch.corners[t].map(|c| DVec2::from_array(c.map(f64::from)));
         let at: DVec2 = corners.iter().zip(w).map(|(&c, w)| c * w).sum();
         let derivative = edges(corners) * edges(corners_in_reference(patch, t as u32)).inverse();
