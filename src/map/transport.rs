@@ -73,7 +73,9 @@ impl<'a> Transport<'a> {
     pub fn arrive(&self, p: u32, q: DVec2) -> Option<Arrival> {
         let patch = &self.onto.patches[p as usize];
         let locator = &self.locators[p as usize];
-        // Rounding may put a point of the long side beyond it.
+        // Rounding may put a point of a side beyond it.
+        let q = q.max(DVec2::ZERO);
+        let q = q / (q.x + q.y).max(1.0);
         let (t, w) = locator.locate(q).or_else(|| locator.locate(q.lerp(CENTRE, INWARDS)))?;
         let corners = patch.corners[t].map(|c| DVec2::from_array(c.map(f64::from)));
         let at: DVec2 = corners.iter().zip(w).map(|(&c, w)| c * w).sum();
