@@ -54,6 +54,11 @@ impl MapFolder {
         }
     }
 
+    /// The file of the source, 0, or of the target, 1, as it was named.
+    pub fn mesh(&self, k: usize) -> &Path {
+        if k == 0 { &self.report.source.file } else { &self.report.target.file }
+    }
+
     /// The name of the target's file, without folder and extension.
     pub fn target_name(&self) -> String {
         let stem = self.report.target.file.file_stem();

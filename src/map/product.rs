@@ -47,7 +47,7 @@ pub struct Product<'a> {
     /// Why the map is a homeomorphism.
     pub certificate: Certificate,
     /// Names and contents of further files: the map at every point, textures.
-    pub files: &'a [(String, Vec<u8>)],
+    pub files: &'a [NamedFile],
     /// Geometry images, unless they were not wanted.
     pub images: Option<&'a GeometryImages>,
     /// The compute device, in words.
@@ -56,13 +56,16 @@ pub struct Product<'a> {
     pub warnings: Vec<String>,
 }
 
+/// Name and content of a file.
+pub type NamedFile = (String, Vec<u8>);
+
 /// Geometry images over one atlas.
 #[derive(Clone, Debug)]
 pub struct GeometryImages {
     /// The atlas.
     pub table: TileTable,
     /// File name and content of each image.
-    pub files: Vec<(String, Vec<u8>)>,
+    pub files: Vec<NamedFile>,
 }
 
 impl Side<'_> {

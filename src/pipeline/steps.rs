@@ -9,7 +9,7 @@ use super::textures::{check_texture, further_files};
 use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
 use crate::map::embedding::Embedding;
-use crate::map::product::{GeometryImages, Product, Side};
+use crate::map::product::{GeometryImages, NamedFile, Product, Side};
 use crate::map::refined::{RefinedMesh, refined_mesh};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::stage;
@@ -47,7 +47,7 @@ pub struct Baked {
     relaxation: RelaxationSummary,
     map: CertifiedMap,
     notes: Vec<String>,
-    files: Vec<(String, Vec<u8>)>,
+    files: Vec<NamedFile>,
     images: Option<GeometryImages>,
     refined: Option<[RefinedMesh; 2]>,
 }

@@ -14,7 +14,7 @@ use crate::map::atlas::Atlas;
 use crate::map::charts::{ChartedMesh, Charts, MAP_FILE};
 use crate::map::embedding::EmbeddedMesh;
 use crate::map::file_order::Onto;
-use crate::map::product::GeometryImages;
+use crate::map::product::{GeometryImages, NamedFile};
 use crate::mesh::io::{MeshFile, write_obj};
 use crate::picture::{Depth, file::format_for};
 use crate::stage::check::{Checked, LoadedMesh};
@@ -43,7 +43,7 @@ pub fn further_files(
     composed: &Composed,
     images: Option<&GeometryImages>,
     texture: Option<&Path>,
-) -> Result<(Vec<(String, Vec<u8>)>, Vec<String>)> {
+) -> Result<(Vec<NamedFile>, Vec<String>)> {
     let embedded = &composed.embedding.meshes;
     let charts = Charts { meshes: [charted(&checked.source, &embedded[0]), charted(&checked.target, &embedded[1])] };
     let mut files = vec![(MAP_FILE.to_owned(), charts.encode()?)];
@@ -81,7 +81,7 @@ fn carried(
     charts: &Charts,
     atlas: Option<&Atlas>,
     texture: &Path,
-    files: &mut Vec<(String, Vec<u8>)>,
+    files: &mut Vec<NamedFile>,
 ) -> Result<TransferReport> {
     let meshes = [&checked.source.file, &checked.target.file];
     let textures = Textures::read(texture, &UvTriangles::of(meshes[0]), false)?;
