@@ -9,13 +9,14 @@ use homeo::ErrorKind;
 use homeo::app::attributes::BakeMap;
 use homeo::app::bake::{BakeOptions, bake};
 use homeo::app::canvas::{Canvas, Padding};
+use homeo::app::carry_values::carry_values;
 use homeo::app::destination::Destination;
 use homeo::app::finished_map::{FinishedMap, read_finished_map};
 use homeo::app::texture::Textures;
 use homeo::app::transfer::{Journey, TransferOptions, TransferReport, transfer};
 use homeo::app::uv::UvTriangles;
 use homeo::gpu::{Compute, Device, DeviceChoice};
-use homeo::mesh::io::{MeshFile, write_obj};
+use homeo::mesh::io::{MeshFile, VertexTable, write_obj};
 use homeo::picture::{Picture, read_picture};
 use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
 use std::fmt::Write;
@@ -270,4 +271,20 @@ fn no_colour_bleeds_across_seams() {
         }
     }
     assert_eq!(wrong, 0, "mixed colours inside the mask");
+}
+
+#[test]
+fn numbers_by_vertex_go_to_the_other_mesh() {
+    let scratch = Scratch::new("values");
+    let map = mapped(&scratch);
+    let [source, target] = &map.meshes;
+    let axis = |k: usize| source.positions.iter().map(|p| p[k]).collect();
+    let ones = vec![1.0; source.positions.len()];
+    let names = ["x", "y", "z", "one"].map(String::from).to_vec();
+    let carried = carry_values(&map, &VertexTable { names, columns: vec![axis(0), axis(1), axis(2), ones] });
+    for (v, p) in target.positions.iter().enumerate() {
+        let value = DVec3::new(carried.columns[0][v], carried.columns[1][v], carried.columns[2][v]);
+        assert!(value.distance(*p) < 0.05, "vertex {v}: {value} {p}");
+        assert!((carried.columns[3][v] - 1.0).abs() < 1e-6, "weights sum to one");
+    }
 }

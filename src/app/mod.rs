@@ -5,6 +5,7 @@ pub mod atlas_mesh;
 pub mod attributes;
 pub mod bake;
 pub mod canvas;
+pub mod carry_values;
 pub mod destination;
 pub mod finished_map;
 mod frames;

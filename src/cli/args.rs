@@ -236,10 +236,13 @@ pub struct TransferArgs {
     /// Folder of a finished map
     pub dir: PathBuf,
     /// The source's image: PNG, JPEG or EXR; <UDIM> in its name stands for one file per tile
-    #[arg(long, value_name = "IMAGE")]
-    pub texture: PathBuf,
-    /// The target's image; <UDIM> in its name stands for one file per tile
-    #[arg(long, value_name = "IMAGE")]
+    #[arg(long, value_name = "IMAGE", required_unless_present = "attribute", conflicts_with = "attribute")]
+    pub texture: Option<PathBuf>,
+    /// Numbers by vertex of the source, such as colours or skin weights: a CSV table with a row of names, or a PLY file
+    #[arg(long, value_name = "FILE")]
+    pub attribute: Option<PathBuf>,
+    /// The target's image, <UDIM> in its name stands for one file per tile; or with --attribute its CSV table
+    #[arg(long, value_name = "FILE")]
     pub out: PathBuf,
     /// Texels along a side; default: as the source's image
     #[arg(long, value_name = "N")]

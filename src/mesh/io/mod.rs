@@ -18,12 +18,14 @@ mod off_binary;
 mod ply;
 mod scan;
 mod stl;
+pub mod vertex_table;
 
 pub use gltf::{Morph, MorphTarget, MorphedMesh, TextureImage, write_morph};
 pub use hint::{Hint, HintLoop, parse_hint, read_hint};
 pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
 pub use obj_write::write_obj;
+pub use vertex_table::{VertexTable, read_vertex_table, write_vertex_table};
 
 use crate::{Error, Result};
 use scan::Scanner;

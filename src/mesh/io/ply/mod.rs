@@ -6,7 +6,10 @@
 //! Source: G. Turk, "The PLY Polygon File Format", 1994.
 
 mod header;
+mod table;
 mod values;
+
+pub(super) use table::parse_table;
 
 use super::mesh_file::{Attribute, MeshFile};
 use crate::{Error, Result};
