@@ -12,13 +12,13 @@
 mod accessor;
 mod chunks;
 mod document;
-mod image;
 mod morph;
 mod scene;
 mod seams;
+mod texture_image;
 
-pub use image::TextureImage;
 pub use morph::{Morph, MorphTarget, MorphedMesh, write_morph};
+pub use texture_image::TextureImage;
 
 use super::mesh_file::{Attribute, MeshFile, NO_INDEX};
 use crate::{Error, Result};

@@ -10,8 +10,8 @@
 //! Source: Khronos, "glTF 2.0 Specification", 2021, sections 3.7.2.2 (morph targets) and 3.11 (animations).
 
 use super::chunks::Chunks;
-use super::image::TextureImage;
 use super::seams::{SplitVertices, split_at_seams};
+use super::texture_image::TextureImage;
 use crate::mesh::io::mesh_file::MeshFile;
 use crate::mesh::io::normals::vertex_normals;
 use crate::{Error, Result};
