@@ -101,11 +101,20 @@ fn what_comes_later_is_refused_and_says_so() {
         refuses(&[command], 2, &[command, "comes with a later version"]);
         refuses(&[command, "some.obj", "--frames", "3"], 2, &[command, "comes with a later version"]);
     }
-    let map = ["map", "a.obj", "b.obj", "--landmarks", "c.csv", "--out", "o"];
-    let flags: [&[&str]; 1] = [&["--texture", "t.png"]];
-    for flag in flags {
-        refuses(&[&map, flag].concat(), 2, &[flag[0], "comes with a later version"]);
-    }
+}
+
+#[test]
+fn a_texture_that_cannot_be_carried_is_refused_before_the_work() {
+    let files = Files::new("texture");
+    let (mesh, landmarks) = (files.add("mesh.obj", TETRAHEDRON), files.add("l.csv", LANDMARKS));
+    let out = files.path("out");
+    let map = ["map", &mesh, &mesh, "--landmarks", &landmarks, "--out", &out, "--device", "cpu", "--texture"];
+    refuses(&[map.as_slice(), &[&files.path("missing.png")]].concat(), 3, &["mesh.obj", "no texture coordinates"]);
+    refuses(&["transfer", &out, "--texture", "t.png", "--out", "u.png"], 3, &[&out, "not a finished map"]);
+    refuses(&["transfer", &out, "--out", "u.png"], 2, &["--texture"]);
+    refuses(&["bake", &mesh, "--out", &files.path("b.exr")], 3, &["mesh.obj", "no texture coordinates"]);
+    refuses(&["bake", &mesh, "--out", &files.path("b.png")], 2, &["b.png", ".exr"]);
+    assert!(!PathBuf::from(&out).exists() && !PathBuf::from(files.path("b.exr")).exists());
 }
 
 #[test]

@@ -96,6 +96,10 @@ pub fn texels(compute: &Compute, width: u32, height: u32, triangles: &[FlatTrian
 }
 
 fn on_device(gpu: &GpuDevice, width: u32, height: u32, triangles: &[FlatTriangle]) -> Result<Vec<Texel>> {
+    if triangles.is_empty() {
+        // A binding holds one element at least.
+        return Ok(vec![Texel::EMPTY; (width * height) as usize]);
+    }
     let lists = candidates(width, height, triangles);
     let (starts, items) = (gpu.upload("starts", &lists.starts)?, gpu.upload("candidates", &lists.items)?);
     let triangles = gpu.upload("triangles", triangles)?;
