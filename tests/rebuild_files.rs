@@ -325,7 +325,11 @@ fn the_program_refuses_by_file_and_leaves_nothing() {
     refuses(&["some.obj", "--layer", "source", "--out", "map.exr"], 2, &["cannot be used with"]);
     refuses(&["--out", &out], 2, &["required"]);
     fs::create_dir(scratch.path("folder.obj")).expect("writable");
-    refuses(&["--rebuild", &flat, "--out", &scratch.path("folder.obj")], 2, &["folder.obj", "not the name of a file"]);
+    refuses(
+        &["--rebuild", &flat, "--out", &scratch.path("folder.obj")],
+        2,
+        &["folder.obj", "the output file is a folder"],
+    );
     refuses(&["--rebuild", &flat, "--out", &scratch.path("cut.exr/mesh.obj")], 3, &["cut.exr"]);
     assert_eq!(scratch.count(), 3, "inputs and the folder");
 }
