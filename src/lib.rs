@@ -46,7 +46,7 @@
 //! # Who may import whom
 //!
 //! ```text
-//! cli -> pipeline -> app, stage, shape -> map, kernel -> path, plane, solve, gpu -> mesh -> error
+//! cli -> pipeline -> app, stage, shape -> map, kernel -> path, plane, solve, picture, gpu -> mesh -> error
 //! ```
 //!
 //! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in

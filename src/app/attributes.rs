@@ -2,7 +2,7 @@
 
 use crate::error::{Error, Result};
 use crate::kernel::Lanes;
-use crate::mesh::io::MeshFile;
+use crate::mesh::io::{MeshFile, vertex_normals};
 use crate::mesh::salience::mean_curvature_normals;
 use crate::mesh::{IdVec, VertexId, metric};
 use glam::{DVec2, DVec3};
@@ -72,10 +72,7 @@ fn triangle_points(mesh: &MeshFile) -> impl Iterator<Item = [DVec3; 3]> {
 
 /// Unit normals at the corners: the file's, where it has some.
 pub fn corner_normals(mesh: &MeshFile) -> Vec<DVec3> {
-    let mut smooth = vec![DVec3::ZERO; mesh.positions.len()];
-    for (t, [a, b, c]) in mesh.triangles().into_iter().zip(triangle_points(mesh)) {
-        t.iter().for_each(|v| smooth[v.0 as usize] += (b - a).cross(c - a));
-    }
+    let smooth = vertex_normals(mesh, &mesh.positions);
     let normal = |c: usize| mesh.normals.at(c).unwrap_or(smooth[mesh.corners[c].0 as usize]).normalize_or_zero();
     at_corners(mesh, normal)
 }
@@ -118,11 +115,7 @@ fn along_u([p, q, r]: [DVec3; 3], [a, b, c]: [DVec2; 3]) -> DVec3 {
 fn signed_curvature(mesh: &MeshFile) -> IdVec<VertexId, f64> {
     let (triangles, positions) = (mesh.triangles(), IdVec::from_raw(mesh.positions.clone()));
     let curvature = mean_curvature_normals(&triangles, &positions);
-    let mut normals = IdVec::filled(DVec3::ZERO, positions.len());
-    for t in &triangles {
-        let [a, b, c] = t.map(|v| positions[v]);
-        t.iter().for_each(|&v| normals[v] += (b - a).cross(c - a));
-    }
+    let normals = IdVec::<VertexId, DVec3>::from_raw(vertex_normals(mesh, &mesh.positions));
     positions.ids().map(|v| 0.5 * curvature[v].length() * curvature[v].dot(normals[v]).signum()).collect()
 }
 

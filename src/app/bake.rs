@@ -5,7 +5,7 @@
 //! gutters hold that of the nearest texel inside, as far as the padding goes; the rest is zero.
 
 use super::attributes::{BakeMap, corner_values, require_uv};
-use super::canvas::{Band, Canvas, Padding};
+use super::canvas::{Band, Canvas, Padding, check_size};
 use super::udim::{beside, file_of, is_pattern};
 use super::uv::{Tile, UvTriangles};
 use crate::error::{Error, Result};
@@ -18,15 +18,12 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The largest side of a baked image, in texels.
-pub const LARGEST: usize = 16384;
-
 /// What to bake.
 #[derive(Clone, Copy, Debug)]
 pub struct BakeOptions {
     /// The map.
     pub map: BakeMap,
-    /// Texels along a side, at most [`LARGEST`].
+    /// Texels along a side, at most [`super::canvas::LARGEST`].
     pub size: usize,
     /// How far gutters are filled.
     pub padding: Padding,
@@ -70,7 +67,7 @@ impl Oddity {
 /// Usage, for a size out of range; input, for a mesh without texture coordinates or a file that cannot be written.
 pub fn bake(compute: &Compute, mesh: &MeshFile, out: &Path, options: &BakeOptions) -> Result<BakeReport> {
     require_uv(mesh)?;
-    super::canvas::check_size(options.size, LARGEST)?;
+    check_size(options.size)?;
     let uv = UvTriangles::of(mesh);
     let values = corner_values(mesh, &uv.corners, options.map);
     let polygons = mesh.triangle_polygons();

@@ -4,6 +4,7 @@
 //! the nearest one that is covered, as far as the padding goes. Only one band is held at a time, and beside it for every
 //! column the places where it enters the covered part, so that images may be larger than the memory.
 
+use super::gutter::Gutter;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
 use crate::kernel::{FlatTriangle, NO_TRIANGLE, Texel, texels};
@@ -11,6 +12,8 @@ use crate::stage::exr::BLOCK_ROWS;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
 
+/// The largest side of an image, in texels.
+pub const LARGEST: usize = 16384;
 /// Rows of a band: whole blocks of EXR files, enough of them to keep the cores busy.
 const BAND: usize = 4 * BLOCK_ROWS;
 /// Windows in which triangles are drawn at once: small enough for the cache and for f32, large enough for few triangles to
@@ -27,6 +30,7 @@ pub enum Padding {
 }
 
 impl Padding {
+    /// The farthest that a texel may take what another shows.
     fn limit(self) -> u32 {
         match self {
             Padding::Texels(n) => n,
@@ -65,16 +69,6 @@ impl Canvas {
         let mut canvas = Canvas { width, height, triangles, windows: Vec::new() };
         canvas.windows = canvas.bins();
         canvas
-    }
-
-    /// Texels in a row.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Rows.
-    pub fn height(&self) -> usize {
-        self.height
     }
 
     /// The derivative of the weights of a triangle's second and third corner by steps of a texel to the right and down.
@@ -116,16 +110,21 @@ impl Canvas {
     pub fn bands(&self, compute: &Compute, padding: Padding, mut visit: impl FnMut(Band) -> Result<()>) -> Result<()> {
         let mut gutter = match padding {
             Padding::Texels(0) => None,
-            _ => Some(Gutter::new(self, compute, padding.limit())?),
+            _ => Some(Gutter::new(self.width, padding.limit(), self.drawn(compute))?),
         };
-        for first_row in (0..self.height).step_by(BAND) {
-            let mut band = self.draw(compute, first_row)?;
+        for band in self.drawn(compute) {
+            let mut band = band?;
             if let Some(gutter) = &mut gutter {
                 gutter.fill(&mut band);
             }
             visit(band)?;
         }
         Ok(())
+    }
+
+    /// All bands without gutters.
+    fn drawn(&self, compute: &Compute) -> impl Iterator<Item = Result<Band>> {
+        (0..self.height).step_by(BAND).map(|first_row| self.draw(compute, first_row))
     }
 
     /// Draws the triangles in a band.
@@ -181,122 +180,10 @@ fn double_area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// A covered texel of a column.
-#[derive(Clone, Copy)]
-struct Seen {
-    row: usize,
-    texel: Texel,
-}
-
-/// Fills the texels that no triangle covers, band after band.
-struct Gutter {
-    width: usize,
-    limit: u32,
-    /// For every column the covered texels below uncovered ones, or at the top.
-    tops: Vec<Vec<Seen>>,
-    /// For every column how many of them lie above the row at hand.
-    passed: Vec<usize>,
-    /// For every column the last covered texel above.
-    above: Vec<Option<Seen>>,
-}
-
-impl Gutter {
-    fn new(canvas: &Canvas, compute: &Compute, limit: u32) -> Result<Gutter> {
-        let width = canvas.width;
-        let mut tops: Vec<Vec<Seen>> = vec![Vec::new(); width];
-        let mut was_covered = vec![false; width];
-        for first_row in (0..canvas.height).step_by(BAND) {
-            let band = canvas.draw(compute, first_row)?;
-            for (row, line) in (first_row..).zip(band.texels.chunks(width)) {
-                for (x, &texel) in line.iter().enumerate() {
-                    let is_covered = texel.covers > 0;
-                    if is_covered && !was_covered[x] {
-                        tops[x].push(Seen { row, texel });
-                    }
-                    was_covered[x] = is_covered;
-                }
-            }
-        }
-        Ok(Gutter { width, limit, tops, passed: vec![0; width], above: vec![None; width] })
-    }
-
-    fn fill(&mut self, band: &mut Band) {
-        let width = self.width;
-        let first_row = band.first_row;
-        let lines = band.texels.chunks(width).zip(first_row..);
-        let nearest: Vec<Vec<Option<Seen>>> = lines.map(|(line, row)| self.nearest_in_columns(line, row)).collect();
-        let limit = self.limit;
-        let rows = band.texels.par_chunks_mut(width).zip(nearest).zip(first_row..first_row + band.rows);
-        rows.for_each(|((line, nearest), row)| fill_row(line, &nearest, row, limit));
-    }
-
-    /// For every column the covered texel nearest to a row; the one above if there are two.
-    fn nearest_in_columns(&mut self, line: &[Texel], row: usize) -> Vec<Option<Seen>> {
-        let one = |x: usize| {
-            if line[x].covers > 0 {
-                self.above[x] = Some(Seen { row, texel: line[x] });
-                return self.above[x];
-            }
-            while self.tops[x].get(self.passed[x]).is_some_and(|seen| seen.row < row) {
-                self.passed[x] += 1;
-            }
-            let below = self.tops[x].get(self.passed[x]).copied();
-            match (self.above[x], below) {
-                (Some(above), Some(below)) => Some(if row - above.row <= below.row - row { above } else { below }),
-                (above, below) => above.or(below),
-            }
-        };
-        (0..line.len()).map(one).collect()
-    }
-}
-
-/// Gives every uncovered texel of a row what the nearest covered one shows, by the lower envelope of the columns'
-/// distances (P. Felzenszwalb, D. Huttenlocher, "Distance transforms of sampled functions", 2012).
-fn fill_row(line: &mut [Texel], nearest: &[Option<Seen>], row: usize, limit: u32) {
-    let sq = |x: usize| -> Option<i64> {
-        let d = nearest[x]?.row.abs_diff(row) as i64;
-        (d <= i64::from(limit)).then_some(d * d)
-    };
-    // Columns of the envelope, and from which column on each is the nearest.
-    let mut envelope: Vec<(usize, i64)> = Vec::new();
-    for x in 0..line.len() {
-        let Some(d) = sq(x) else { continue };
-        let from = loop {
-            let Some(&(q, start)) = envelope.last() else { break 0 };
-            // The first column that is strictly nearer to x than to q.
-            let (x, q) = (x as i64, q as i64);
-            let dq = sq(q as usize).unwrap_or(0); // the envelope's columns have one
-            let from = (d + x * x - dq - q * q).div_euclid(2 * (x - q)) + 1;
-            if from > start {
-                break from;
-            }
-            envelope.pop();
-        };
-        envelope.push((x, from));
-    }
-    let reach = i64::from(limit).saturating_mul(i64::from(limit));
-    let mut at = 0;
-    for x in 0..line.len() {
-        while envelope.get(at + 1).is_some_and(|&(_, from)| from <= x as i64) {
-            at += 1;
-        }
-        let Some(&(column, _)) = envelope.get(at) else { return };
-        if line[x].covers > 0 {
-            continue;
-        }
-        let across = x.abs_diff(column) as i64;
-        if let (Some(seen), Some(down)) = (nearest[column], sq(column))
-            && across * across + down <= reach
-        {
-            line[x] = Texel { covers: 0, ..seen.texel };
-        }
-    }
-}
-
-/// Fails with the name of what is too large.
-pub(super) fn check_size(size: usize, most: usize) -> Result<()> {
-    if (1..=most).contains(&size) {
+/// Refuses a side that is zero or larger than [`LARGEST`].
+pub(super) fn check_size(size: usize) -> Result<()> {
+    if (1..=LARGEST).contains(&size) {
         return Ok(());
     }
-    Err(Error::usage(format!("an image of {size} x {size} texels")).remedy(format!("use a size from 1 to {most}")))
+    Err(Error::usage(format!("an image of {size} x {size} texels")).remedy(format!("use a size from 1 to {LARGEST}")))
 }

@@ -9,6 +9,7 @@ pub mod carry_values;
 pub mod destination;
 pub mod finished_map;
 mod frames;
+mod gutter;
 mod map_folder;
 pub mod morph;
 pub mod rebuild;

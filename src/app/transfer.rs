@@ -24,9 +24,6 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// The largest side of an image: it is held in memory as a whole.
-pub const LARGEST: usize = 16384;
-
 /// How to carry an image.
 #[derive(Clone, Copy, Debug)]
 pub struct TransferOptions {
@@ -94,7 +91,7 @@ pub fn carry(
 ) -> Result<TransferReport> {
     let Journey { meshes, charts, textures, destination } = journey;
     let size = options.size.unwrap_or(textures.largest_side());
-    check_size(size, LARGEST)?;
+    check_size(size)?;
     let source = UvTriangles::of(meshes[0]);
     let points = reference_points(&charts.meshes[0]);
     let frames = destination.own().filter(|_| options.normal_map).map(|own| Frames::new(meshes, [&source, own]));

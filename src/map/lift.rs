@@ -3,7 +3,7 @@
 use super::atlas::BaseSample;
 use super::embedding::{EmbeddedMesh, Embedding};
 use super::surface_map::Chart;
-use crate::mesh::{FaceId, IdVec, PatchId, SurfacePoint, TriMesh};
+use crate::mesh::{FaceId, IdVec, PatchId, SurfacePoint, TriMesh, metric};
 use glam::DVec2;
 
 /// Takes points of one mesh to the other one.
@@ -48,9 +48,6 @@ impl<'a> Lift<'a> {
     fn weights(&self, (p, t): (PatchId, u32), at: DVec2) -> [f64; 3] {
         let f = self.embedded.discs[p].faces[t as usize];
         let corners = self.embedded.cut.corner_coordinates(self.mesh, f);
-        let [a, b, c] = corners.map(|b| DVec2::new(b[1], b[2]));
-        let areas = [(b - at).perp_dot(c - at), (c - at).perp_dot(a - at), (a - at).perp_dot(b - at)];
-        let sum: f64 = areas.iter().sum();
-        areas.map(|x| x / sum)
+        metric::barycentric(corners.map(|b| DVec2::new(b[1], b[2])), at)
     }
 }

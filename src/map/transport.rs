@@ -1,6 +1,7 @@
 //! Takes points of one mesh through a finished map to the other one, in terms of the files.
 
 use super::charts::{ChartedMesh, ChartedPatch, Charts};
+use crate::mesh::metric;
 use crate::plane::locate::Locator;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
@@ -58,7 +59,7 @@ impl<'a> Transport<'a> {
         let at = DVec2::new(b[1], b[2]);
         let range = *self.starts.get(face as usize)? as usize..*self.starts.get(face as usize + 1)? as usize;
         let least = |(_, w): &([u32; 2], [f64; 3])| w.iter().copied().fold(f64::INFINITY, f64::min);
-        let found = self.parts[range].iter().map(|&part| (part, weights(self.corners(part), at)));
+        let found = self.parts[range].iter().map(|&part| (part, metric::barycentric(self.corners(part), at)));
         let ([p, t], w) = found.max_by(|x, y| least(x).total_cmp(&least(y)))?;
         let inside = w.map(|w| w.max(0.0));
         let sum: f64 = inside.iter().sum();
@@ -101,10 +102,4 @@ fn corners_in_reference(patch: &ChartedPatch, t: u32) -> [DVec2; 3] {
 /// The matrix that takes the unit vectors to a triangle's edges at its first corner.
 fn edges([a, b, c]: [DVec2; 3]) -> DMat2 {
     DMat2::from_cols(b - a, c - a)
-}
-
-fn weights([a, b, c]: [DVec2; 3], at: DVec2) -> [f64; 3] {
-    let areas = [(b - at).perp_dot(c - at), (c - at).perp_dot(a - at), (a - at).perp_dot(b - at)];
-    let sum: f64 = areas.iter().sum();
-    areas.map(|x| x / sum)
 }

@@ -7,6 +7,13 @@ pub fn area([a, b, c]: [DVec3; 3]) -> f64 {
     (b - a).cross(c - a).length() * 0.5
 }
 
+/// Weights of a triangle's corners at a point of the plane; they sum to one, and are not finite without area.
+pub fn barycentric([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
+    let areas = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)];
+    let sum: f64 = areas.iter().sum();
+    areas.map(|x| x / sum)
+}
+
 /// Signed area of a triangle in the plane, positive counter-clockwise.
 pub fn signed_area([a, b, c]: [DVec2; 3]) -> f64 {
     (b - a).perp_dot(c - a) * 0.5

@@ -161,12 +161,7 @@ impl<'m> Subdivision<'m> {
     pub fn locate(&self, point: SurfacePoint) -> Option<(u32, [f64; 3])> {
         let (f, b) = point.on_face(self.mesh)?;
         let p = DVec2::new(b[1], b[2]);
-        let weights = |t: u32| {
-            let [a, b, c] = self.flat(t, f)?;
-            let areas = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)];
-            let sum: f64 = areas.iter().sum();
-            Some((t, areas.map(|x| x / sum)))
-        };
+        let weights = |t: u32| Some((t, metric::barycentric(self.flat(t, f)?, p)));
         let least = |(_, w): &(u32, [f64; 3])| w.iter().copied().fold(f64::INFINITY, f64::min);
         self.within(f).iter().filter_map(|&t| weights(t)).max_by(|a, b| least(a).total_cmp(&least(b)))
     }

@@ -6,7 +6,7 @@
 
 use super::growth::Growth;
 use crate::error::Result;
-use crate::mesh::{ArcId, LandmarkId};
+use crate::mesh::{ArcId, LandmarkId, PatchId};
 use crate::path::base_complex::{BaseComplex, DirectedArc, NO_PATCH};
 use crate::path::network::{Corner, embed, terminal};
 use crate::path::region::base_complex;
@@ -23,7 +23,7 @@ const LEAST_DEGREE: usize = 4;
 struct Flip {
     ends: [LandmarkId; 2],
     corners: [Corner; 2],
-    patches: [[DirectedArc; 3]; 2],
+    patches: [(PatchId, [DirectedArc; 3]); 2],
 }
 
 /// Flips arcs until none gets shorter.
@@ -63,7 +63,7 @@ fn flip_of(base: &BaseComplex, arc: ArcId) -> Option<Flip> {
     Some(Flip {
         ends,
         corners: [t2, s2].map(|side| Corner { landmark: base.start(side), after: Some(side) }),
-        patches: [[forward, s2, t1], [backward, t2, s1]],
+        patches: [(p, [forward, s2, t1]), (q, [backward, t2, s1])],
     })
 }
 
@@ -87,9 +87,7 @@ fn try_flip(growth: &mut Growth, base: &mut BaseComplex, arc: ArcId, flip: Flip)
         }
     }
     if is_shorter {
-        let side_of = base.side_of();
-        let patches = [false, true].map(|reversed| side_of[DirectedArc { arc, reversed }.index()].0);
-        for (patch, sides) in patches.into_iter().zip(flip.patches) {
+        for (patch, sides) in flip.patches {
             base.patches[patch] = sides;
         }
         base.arcs[arc] = flip.ends;

@@ -24,6 +24,7 @@ pub use gltf::{Morph, MorphTarget, MorphedMesh, TextureImage, write_morph};
 pub use hint::{Hint, HintLoop, parse_hint, read_hint};
 pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
+pub use normals::vertex_normals;
 pub use obj_write::write_obj;
 pub use vertex_table::{VertexTable, read_vertex_table, write_vertex_table};
 

@@ -1,4 +1,4 @@
-//! Normals that writers add.
+//! Normals of meshes as they were read, at any positions.
 
 use super::mesh_file::MeshFile;
 use glam::DVec3;
@@ -7,7 +7,7 @@ use glam::DVec3;
 const ANY_NORMAL: DVec3 = DVec3::Z;
 
 /// Unit normals at the vertices when they stand at `positions`: the area-weighted mean over the triangles around each.
-pub(super) fn vertex_normals(mesh: &MeshFile, positions: &[DVec3]) -> Vec<DVec3> {
+pub fn vertex_normals(mesh: &MeshFile, positions: &[DVec3]) -> Vec<DVec3> {
     let mut normals = vec![DVec3::ZERO; positions.len()];
     for triangle in mesh.triangle_corners() {
         let v = triangle.map(|c| mesh.corners[c].0 as usize);
