@@ -22,7 +22,7 @@ const FIXED: u32 = u32::MAX;
 
 /// Moves all free vertices along the Newton direction of the model; false if no step lowers it.
 pub fn newton(smoother: &mut Smoother) -> bool {
-    let Some(direction) = direction(smoother) else { return false };
+    let Some(direction) = direction(smoother, &[]) else { return false };
     let start = smoother.moving.positions.clone();
     let before = model_energy(smoother);
     let mut share = (SAFE_SHARE * first_collapse(smoother, &direction)).min(1.0);
@@ -39,11 +39,38 @@ pub fn newton(smoother: &mut Smoother) -> bool {
     false
 }
 
+/// Drags fixed vertices towards places, all others giving way as the model's energy has it, as far as no triangle turns
+/// over; returns the share of the way that was gone, 1 at the places themselves.
+pub fn drag(smoother: &mut Smoother, places: &[(u32, DVec2)]) -> f64 {
+    let start = smoother.moving.positions.clone();
+    let ways: Vec<(u32, DVec2)> = places.iter().map(|&(v, to)| (v, to - start[v as usize])).collect();
+    let Some(direction) = direction(smoother, &ways) else { return 0.0 };
+    let whole = SAFE_SHARE * first_collapse(smoother, &direction);
+    let mut share = whole.min(1.0);
+    for _ in 0..HALVINGS {
+        for (p, (&from, &d)) in smoother.moving.positions.iter_mut().zip(start.iter().zip(&direction)) {
+            *p = from + d * share;
+        }
+        if share == 1.0 {
+            places.iter().for_each(|&(v, to)| smoother.moving.positions[v as usize] = to);
+        }
+        if model_energy(smoother).is_finite() {
+            return share;
+        }
+        share *= 0.5;
+    }
+    smoother.moving.positions = start;
+    0.0
+}
+
 fn model_energy(smoother: &Smoother) -> f64 {
     (0..smoother.moving.triangles.len()).filter_map(|t| smoother.model_energy(t)).sum()
 }
 
-fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
+/// The Newton direction of the free vertices, given the ways of some fixed ones.
+fn direction(smoother: &Smoother, ways: &[(u32, DVec2)]) -> Option<Vec<DVec2>> {
+    let mut direction = vec![DVec2::ZERO; smoother.moving.vertices.len()];
+    ways.iter().for_each(|&(v, way)| direction[v as usize] = way);
     let mut number = vec![FIXED; smoother.moving.vertices.len()];
     let free: Vec<usize> = (0..number.len()).filter(|&v| smoother.moving.free[v]).collect();
     (0u32..).zip(&free).for_each(|(k, &v)| number[v] = k);
@@ -56,7 +83,8 @@ fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
     for t in 0..smoother.moving.triangles.len() {
         let Some(block) = smoother.model_block(t) else { continue };
         let corners = smoother.moving.triangles[t];
-        scatter(&block, &corners.map(|v| number[v as usize]), &mut entries, &mut rhs);
+        let way = corners.map(|v| direction[v as usize]);
+        scatter(&block, &corners.map(|v| number[v as usize]), &way, &mut entries, &mut rhs);
     }
     let trace: f64 = entries.iter().filter(|e| e.row == e.col).map(|e| e.val).sum();
     let ridge = RIDGE * trace / n as f64;
@@ -64,7 +92,6 @@ fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
     let matrix = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
     let factor = matrix.sp_cholesky(faer::Side::Lower).ok()?;
     factor.solve_in_place(&mut rhs);
-    let mut direction = vec![DVec2::ZERO; number.len()];
     for (k, &v) in free.iter().enumerate() {
         direction[v] = DVec2::new(rhs[(2 * k, 0)], rhs[(2 * k + 1, 0)]);
     }
@@ -72,11 +99,22 @@ fn direction(smoother: &Smoother) -> Option<Vec<DVec2>> {
 }
 
 /// Adds a triangle's derivatives to the lower half of the system.
-fn scatter(block: &Block, number: &[u32; 3], entries: &mut Vec<Triplet<usize, usize, f64>>, rhs: &mut faer::Mat<f64>) {
+fn scatter(
+    block: &Block,
+    number: &[u32; 3],
+    way: &[DVec2; 3],
+    entries: &mut Vec<Triplet<usize, usize, f64>>,
+    rhs: &mut faer::Mat<f64>,
+) {
     for i in (0..3).filter(|&i| number[i] != FIXED) {
         let row = 2 * number[i] as usize;
         rhs[(row, 0)] -= block.gradient[i].x;
         rhs[(row + 1, 0)] -= block.gradient[i].y;
+        for j in (0..3).filter(|&j| number[j] == FIXED) {
+            let pull = block.hessian[i][j] * way[j];
+            rhs[(row, 0)] -= pull.x;
+            rhs[(row + 1, 0)] -= pull.y;
+        }
         for j in (0..3).filter(|&j| number[j] != FIXED && number[j] <= number[i]) {
             let col = 2 * number[j] as usize;
             let h = block.hessian[i][j];

@@ -98,9 +98,23 @@ impl<'a> Smoother<'a> {
         Self::over(moving, Below::Plane(metrics))
     }
 
+    /// A mesh over the plane, where every triangle wants a shape: corners in a plane of its own, counter-clockwise, and
+    /// how much of its area counts.
+    pub fn shaped(moving: &'a mut Domain, shapes: &[[DVec2; 3]], weights: &[f64]) -> Self {
+        let areas: Vec<f64> = shapes.iter().map(|&shape| metric::signed_area(shape)).collect();
+        let metrics = areas.iter().zip(weights).map(|(area, weight)| Metrics::identity(area * weight)).collect();
+        let rest = shapes.iter().map(|&shape| Rest::new(shape)).collect();
+        Self::resting(moving, Below::Plane(metrics), rest, areas)
+    }
+
     fn over(moving: &'a mut Domain, below: Below<'a>) -> Self {
         let rest = moving.triangles.iter().map(|t| Rest::new(metric::flatten(moving.spatial(t)))).collect();
         let areas = areas(moving);
+        Self::resting(moving, below, rest, areas)
+    }
+
+    /// From the triangles at rest and their areas.
+    fn resting(moving: &'a mut Domain, below: Below<'a>, rest: Vec<Rest>, areas: Vec<f64>) -> Self {
         let start = moving.positions.clone();
         let floor = floor(&areas);
         let mut smoother = Smoother { moving, below, rest, floor, areas, model: Vec::new(), start, before: 0.0 };
