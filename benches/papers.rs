@@ -7,9 +7,12 @@
 //! times a pair, and prints how E_L2 spreads.
 
 use homeo::Result;
-use homeo::gpu::Compute;
+use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::map::distortion::{Measures, distortion};
+use homeo::map::surface_map::SurfaceMap;
+use homeo::mesh::io::Landmarks;
 use homeo::mesh::{IdVec, TriMesh, VertexId};
+use homeo::pipeline::{LayoutMethod, MapOptions, Mapped, Silent, map_pairs};
 use homeo::shape::SplitMix;
 use homeo::stage::check::{Checked, check};
 use homeo::stage::cluster::BaseVertices;
@@ -17,7 +20,7 @@ use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::greedy::Greedy;
 use homeo::stage::layout::{Layout, greedy_layout, guided_layouts, published_layout};
-use homeo::stage::load::{LoadOptions, load};
+use homeo::stage::load::{LoadOptions, Loaded, load};
 use homeo::stage::refine::{RefineOptions, refine};
 use homeo::stage::relax::{RelaxOptions, relax_arcs, relax_patches};
 use homeo::stage::stretch::stretch;
@@ -161,9 +164,9 @@ fn map_within_patches(meshes: [&TriMesh; 2], layout: Layout) -> Result<Composed>
     compose(meshes, embedding)
 }
 
-fn measure(meshes: [&TriMesh; 2], composed: &Composed) -> Measures {
+fn measure(meshes: [&TriMesh; 2], map: &SurfaceMap) -> Measures {
     let images: IdVec<VertexId, _> =
-        composed.maps[0].images.iter().map(|p| p.map_or(glam::DVec3::ZERO, |p| p.position(meshes[1]))).collect();
+        map.images.iter().map(|p| p.map_or(glam::DVec3::ZERO, |p| p.position(meshes[1]))).collect();
     distortion(&meshes[0].faces(), &meshes[0].positions, &images, 0).forward
 }
 
@@ -179,7 +182,7 @@ fn cell(meshes: [&TriMesh; 2], layout: impl FnOnce() -> Result<Option<Layout>>) 
     let start = Instant::now();
     let Some(layout) = layout()? else { return Ok(None) };
     let seconds = start.elapsed().as_secs_f64();
-    let measures = measure(meshes, &map_within_patches(meshes, layout)?);
+    let measures = measure(meshes, &map_within_patches(meshes, layout)?.maps[0]);
     Ok(Some([measures.e_ang, measures.e_l2, seconds]))
 }
 
@@ -255,15 +258,18 @@ fn hypothesis_row(pair: &Path) -> Result<()> {
 /// twice the same, and nothing by the clock.
 fn perturbed_row(pair: &Path, times: usize) -> Result<()> {
     let checked = read(pair)?;
-    let meshes = checked.meshes();
-    let sites = checked.sites();
-    let e_l2 = |vertices: [Vec<VertexId>; 2]| -> Result<f64> {
-        let [source, target] = &vertices;
-        let sets = homeo::stage::cluster::cluster(meshes, [source, target], &checked.guides);
-        let set = sets.first().expect("there is a set of base vertices");
-        let (mut embedding, _) = embed(meshes, hypothesis(meshes, set)?)?;
-        relax_arcs(&Compute::Cpu, meshes, &mut embedding, &RelaxOptions::default())?;
-        Ok(measure(meshes, &compose(meshes, embedding)?).e_l2)
+    let meshes = [&checked.source.mesh, &checked.target.mesh];
+    let sites = [checked.landmarks.source.clone(), checked.landmarks.target.clone()];
+    let options = MapOptions { layout: LayoutMethod::Hypothesis { cycles: 1 }, ..MapOptions::default() };
+    let device = Device::open(&DeviceChoice::Cpu)?;
+    let e_l2 = |[source, target]: [Vec<VertexId>; 2]| -> Result<f64> {
+        let landmarks = Landmarks { source, target, ..checked.landmarks.clone() };
+        let [source, target] = [&checked.source.file, &checked.target.file].map(Clone::clone);
+        let loaded = Loaded { source, target, landmarks: Ok(landmarks), hint: Ok(None) };
+        let mut result = None;
+        map_pairs(std::iter::once(loaded), &options, &device, &Silent, |outcome| result = Some(outcome.value));
+        let Mapped { checked, map, .. } = result.expect("one pair has one outcome")?;
+        Ok(measure([&checked.source.mesh, &checked.target.mesh], &map.maps[0]).e_l2)
     };
     let first = e_l2(sites.clone())?;
     let (mut failures, mut all) = (0, vec![first]);

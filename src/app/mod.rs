@@ -6,6 +6,7 @@ pub mod attributes;
 pub mod bake;
 pub mod canvas;
 pub mod carry_values;
+pub mod constrained;
 pub mod destination;
 pub mod finished_map;
 mod frames;

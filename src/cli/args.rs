@@ -1,6 +1,7 @@
 //! What was typed.
 
 use crate::app::canvas::Padding;
+use crate::mesh::VertexId;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -78,8 +79,8 @@ pub enum Command {
     Morph(MorphArgs),
     /// List compute adapters and which one `auto` takes
     Devices,
-    /// Hard-constrained texture coordinates (comes with a later version)
-    Texture(Later),
+    /// Texture coordinates that put vertices exactly where you want them on an image, without a fold
+    Texture(TextureArgs),
     /// Diffusion parametrization of regions (comes with a later version)
     Diffuse(Later),
     /// Bake a map of a mesh into its own texture coordinates, or read a geometry image back as a mesh
@@ -283,6 +284,23 @@ pub struct MeasureArgs {
 }
 
 #[derive(Args, Debug)]
+pub struct TextureArgs {
+    /// A disc-like mesh: OBJ, OFF, PLY, STL or glTF. A closed one is cut open, further boundary loops are bridged
+    pub mesh: PathBuf,
+    /// The image: PNG, JPEG or EXR
+    pub image: PathBuf,
+    /// CSV `vertex,u,v` (0-based; 0 < u, v < 1, v up), with a column `name` if you like
+    #[arg(long, value_name = "FILE")]
+    pub constraints: PathBuf,
+    /// Folder for the results; appears complete or not at all
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Vertices along which a closed mesh is cut open, in order, as in 4,17,2; default: a way far from the constraints
+    #[arg(long, value_name = "V,V,...", value_delimiter = ',', value_parser = vertex)]
+    pub seam: Option<Vec<VertexId>>,
+}
+
+#[derive(Args, Debug)]
 pub struct MorphArgs {
     /// Folders that `homeo map` wrote, all from one source; each target's shape becomes a morph target
     #[arg(required = true, value_name = "DIR")]
@@ -301,6 +319,10 @@ pub struct MorphArgs {
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with
 /// both meshes and their normals.
 const LARGEST_IMAGE: usize = (1 << 12) + 1;
+
+fn vertex(text: &str) -> Result<VertexId, String> {
+    text.trim().parse().map(VertexId).map_err(|_| "use vertex numbers, counted from 0".to_owned())
+}
 
 fn padding(text: &str) -> Result<Padding, String> {
     match text {

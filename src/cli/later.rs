@@ -6,7 +6,6 @@ use crate::error::{Error, Result};
 /// Fails for a command that comes later.
 pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
-        Command::Texture(_) => "texture",
         Command::Diffuse(_) => "diffuse",
         Command::Batch(_) => "batch",
         Command::Demo(_)
@@ -16,6 +15,7 @@ pub fn refuse_command(command: &Command) -> Result<()> {
         | Command::Check(_)
         | Command::Measure(_)
         | Command::Morph(_)
+        | Command::Texture(_)
         | Command::Devices => {
             return Ok(());
         }

@@ -14,6 +14,7 @@ mod progress;
 mod rebuild;
 mod summary;
 mod table;
+mod texture;
 mod transfer;
 
 use crate::error::{Error, Result};
@@ -60,7 +61,8 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
             Some(image) => rebuild::run(image, args, console),
             None => bake::run(args, &cli.global, console),
         },
-        Command::Texture(_) | Command::Diffuse(_) | Command::Batch(_) => {
+        Command::Texture(args) => texture::run(args, &cli.global, console),
+        Command::Diffuse(_) | Command::Batch(_) => {
             unreachable!("refused above")
         }
     }

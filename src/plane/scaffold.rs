@@ -87,9 +87,8 @@ fn edges(polygon: &[DVec2]) -> impl Iterator<Item = (DVec2, DVec2)> {
 
 /// Whether a ray to the right crosses the polygon an odd number of times.
 fn is_inside(polygon: &[DVec2], p: DVec2) -> bool {
-    let crosses = |(a, b): &(DVec2, DVec2)| {
-        (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-    };
+    let crosses =
+        |(a, b): &(DVec2, DVec2)| (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x);
     edges(polygon).filter(crosses).count() % 2 == 1
 }
 
@@ -123,8 +122,7 @@ mod tests {
         let ring = circle(16, 3.0);
         let scaffold = scaffold(&boundary, &ring, 0.4).expect("the spiral is simple");
         let points: Vec<DVec2> = boundary.iter().chain(&scaffold.points).copied().collect();
-        let sum: f64 =
-            scaffold.triangles.iter().map(|t| metric::signed_area(t.map(|v| points[v as usize]))).sum();
+        let sum: f64 = scaffold.triangles.iter().map(|t| metric::signed_area(t.map(|v| points[v as usize]))).sum();
         let expected = area(&ring) - area(&boundary);
         assert!((sum - expected).abs() < 1e-9, "{sum} for {expected}");
         assert!(scaffold.points[..16] == ring[..] && scaffold.points.len() > 50);

@@ -195,13 +195,31 @@ mod tests {
                     *p = DVec2::new(random.unit(), random.unit()) * 5.8 - 2.9;
                 }),
             }
-            let walkers: Vec<Walker> =
-                inner.iter().zip(&places).map(|(&point, &to)| Walker { point, to }).collect();
+            let walkers: Vec<Walker> = inner.iter().zip(&places).map(|(&point, &to)| Walker { point, to }).collect();
             let options = WarpOptions { steps: [1, 7, 32][seed as usize % 3] };
             let swaps = warp(&mut t, &walkers, &options).unwrap_or_else(|e| panic!("seed {seed}: {e:?}"));
             assert!(t.is_valid() && euler(&t) == size, "seed {seed}");
             assert!(!swaps.is_empty() && walkers.iter().all(|w| t.point(w.point) == w.to), "seed {seed}");
         }
+    }
+
+    #[test]
+    fn swaps_repeated_give_the_same_triangles() {
+        let (mut t, inner) = square(3);
+        let mut other = t.clone();
+        let walkers: Vec<Walker> =
+            inner.iter().rev().zip(&inner).map(|(&point, &v)| Walker { point, to: t.point(v) }).collect();
+        let swaps = warp(&mut t, &walkers, &WarpOptions::default()).expect("the places differ");
+        assert!(swaps.iter().all(|swap| other.repeat(swap)));
+        assert!(t.triangles().eq(other.triangles()));
+        assert!(!other.repeat(&Swap { old: [0, 1], new: [8, 9] }), "the hull stays");
+    }
+
+    #[test]
+    fn around_a_point_on_the_hull_come_first_the_next_and_last_the_one_before() {
+        let t = wheel(5);
+        assert_eq!(t.ring(0), [1, 5, 4]);
+        assert_eq!(t.ring(5).len(), 5);
     }
 
     #[test]

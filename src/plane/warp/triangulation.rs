@@ -100,9 +100,44 @@ impl Triangulation {
         Vec::new()
     }
 
-    /// The points around an inner point, counter-clockwise.
+    /// The points around a point, counter-clockwise; around one on the hull from the hull's edge that leaves it to the one
+    /// that arrives. Empty for a point without triangles.
     pub fn ring(&self, v: u32) -> Vec<u32> {
-        self.link(v).into_iter().map(|h| self.from(h)).collect()
+        let mut start = self.leaving[v as usize];
+        if start == NONE {
+            return Vec::new();
+        }
+        let any = start;
+        while !self.is_hull(start) {
+            start = following(self.twin[start as usize]);
+            if start == any {
+                break;
+            }
+        }
+        let mut ring = Vec::new();
+        let mut at = start;
+        loop {
+            ring.push(self.from(following(at)));
+            let before = leading(at);
+            if self.is_hull(before) {
+                ring.push(self.from(before));
+                return ring;
+            }
+            at = self.twin[before as usize];
+            if at == start {
+                return ring;
+            }
+        }
+    }
+
+    /// Repeats a swap that was made on an equal triangulation; false if the edge is not there or on the hull.
+    ///
+    /// Only the triangles change: places are those that the points have here, in which a triangle may be folded.
+    pub fn repeat(&mut self, swap: &Swap) -> bool {
+        let [a, b] = swap.old;
+        let found = (0..self.tip.len() as u32).find(|&h| self.from(h) == a && self.from(following(h)) == b);
+        let Some(h) = found.filter(|&h| !self.is_hull(h)) else { return false };
+        self.swap(h) == *swap
     }
 
     /// True for an edge with a triangle on one side only.

@@ -5,7 +5,7 @@
 
 mod json;
 mod place;
-mod table;
+pub(super) mod table;
 mod text;
 
 use super::mesh_file::MeshFile;

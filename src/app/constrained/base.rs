@@ -1,0 +1,114 @@
+//! What cannot walk is warped: a base mesh over the features is warped in their stead, and the disc follows patch by patch
+//! (WARP 4.2 and 4.3).
+//!
+//! ```text
+//! features and ring --Delaunay--> base mesh --network.rs--> paths on the disc and its scaffold
+//! base mesh --plane::warp--> the same with all features at their places, and the edges swapped on the way
+//! every swap --network.rs--> a path exchanged
+//! base triangles --embed_patch--> the disc within straight sides
+//! ```
+//!
+//! Invariant: base triangles are exactly counter-clockwise at the end, and each holds a convex embedding of the faces
+//! between its paths, so nothing folds; rounding is checked exactly. The paper moves the faces along at every swap; where
+//! features pass close by each other that goes through patches without area, which only the end's patches avoid.
+
+use super::network::{Network, lifted};
+use super::refined::Refined;
+use super::sheet::{Framed, Sheet};
+use crate::error::{Error, Result};
+use crate::mesh::{Id, VertexId};
+use crate::plane::convex::embed_patch;
+use crate::plane::divide::split_dividing_edges;
+use crate::plane::patch_disc::{PatchDisc, arc_shares, patch_discs};
+use crate::plane::stretch::Frame;
+use crate::plane::warp::{Triangulation, Walker, WarpOptions, warp};
+use glam::DVec2;
+use rayon::prelude::*;
+use spade::{DelaunayTriangulation, Point2, Triangulation as _};
+
+/// What warping did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Warped {
+    /// Edges of the base mesh that were swapped.
+    pub swaps: usize,
+}
+
+/// Brings all features to their places; the disc gets the vertices that paths need.
+///
+/// # Errors
+/// Unsolvable if double precision cannot hold the patches.
+pub fn warp_sheet(sheet: &Sheet) -> Result<(Refined, Warped)> {
+    let even = vec![1.0; sheet.triangles.len()];
+    let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
+    let Framed { domain, .. } = framed;
+    let mesh = lifted(&domain.positions, &domain.triangles)?;
+    let ring = &sheet.ring;
+    let first = sheet.uv.len();
+    let features = sheet.features.iter().map(|f| VertexId(f.vertex));
+    let points: Vec<VertexId> = features.chain((first..first + ring.len()).map(VertexId::new)).collect();
+    let mut base = guiding(&points.iter().map(|v| domain.positions[v.index()]).collect::<Vec<_>>())?;
+    let mut network = Network::lay(&mesh, &base, &points, ring.len())?;
+    let mut warped = base.clone();
+    let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
+    let swaps = warp(&mut warped, &walkers, &WarpOptions::default())
+        .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
+    for swap in &swaps {
+        base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;
+        network.swap(&base, swap)?;
+    }
+    let complex = network.complex(warped.triangles())?;
+    let mut cut = network.into_cut();
+    split_dividing_edges(&mut cut, &mesh);
+    let mut discs = patch_discs(&cut, &complex, &arc_shares(&cut, &complex)?)?;
+    let triangles: Vec<[DVec2; 3]> = warped.triangles().map(|t| t.map(|v| warped.point(v))).collect();
+    let embedded: Vec<bool> = discs
+        .raw
+        .par_iter_mut()
+        .zip(&triangles)
+        .map(|(disc, [a, b, c])| {
+            let points: Vec<_> = disc.vertices.iter().map(|&v| cut.positions[v]).collect();
+            let frame = Frame::with_sides([a.distance(*b), b.distance(*c), c.distance(*a)]);
+            embed_patch(disc, &points, &frame).is_some()
+        })
+        .collect();
+    if embedded.contains(&false) {
+        return Err(too_fine());
+    }
+    let uv = place(&discs.raw, &triangles, cut.conn.vertex_count());
+    let mut refined = Refined::new(sheet, &cut, &mesh, &uv);
+    refined.sheet.features.iter().for_each(|f| refined.sheet.uv[f.vertex as usize] = f.place);
+    if refined.sheet.folded() > 0 {
+        return Err(too_fine());
+    }
+    Ok((refined, Warped { swaps: swaps.len() }))
+}
+
+fn too_fine() -> Error {
+    Error::unsolvable("the constraints crowd the mesh more than double precision can hold")
+        .remedy("move constraints apart that nearly coincide, or use a finer mesh there")
+}
+
+/// The Delaunay triangulation of the features, where they are, and the ring.
+fn guiding(points: &[DVec2]) -> Result<Triangulation> {
+    let mut delaunay = DelaunayTriangulation::<Point2<f64>>::new();
+    for (i, p) in points.iter().enumerate() {
+        let inserted = delaunay.insert(Point2::new(p.x, p.y)).ok().filter(|h| h.index() == i);
+        inserted.ok_or_else(|| Error::bug("two features lie at one place of the embedding").at(i))?;
+    }
+    let triangles: Vec<[u32; 3]> =
+        delaunay.inner_faces().map(|f| f.vertices().map(|v| v.fix().index() as u32)).collect();
+    Triangulation::new(points.to_vec(), &triangles).ok_or_else(|| Error::bug("a Delaunay triangulation is none"))
+}
+
+/// The place of every vertex of the cut mesh, from the first patch that has it.
+fn place(discs: &[PatchDisc], triangles: &[[DVec2; 3]], vertices: usize) -> Vec<DVec2> {
+    let mut uv = vec![DVec2::NAN; vertices];
+    for (disc, &[a, b, c]) in discs.iter().zip(triangles) {
+        for (&v, p) in disc.vertices.iter().zip(&disc.positions) {
+            if uv[v.index()].is_nan() {
+                uv[v.index()] = a + (b - a) * p.x + (c - a) * p.y;
+            }
+        }
+    }
+    uv
+}

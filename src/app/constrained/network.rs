@@ -1,0 +1,166 @@
+//! The base mesh's edges as paths on the disc and its scaffold: laid one after the other, swapped later.
+//!
+//! Paths never meet but at their ends, and leave them in the cyclic order that the base mesh has: so they cut the mesh
+//! into discs with three corners, one for every base triangle. A new path is the cheapest one between the right sectors of
+//! its ends (WARP 4.2, with sectors in place of geometric regions, which a path that bulges may leave).
+
+use super::route::{Route, Stop, route};
+use crate::error::{Error, Result};
+use crate::mesh::{ArcId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
+use crate::path::base_complex::{BaseComplex, DirectedArc};
+use crate::path::cut_mesh::CutMesh;
+use crate::plane::warp::{Swap, Triangulation};
+use glam::DVec2;
+use std::collections::{BTreeMap, BTreeSet};
+
+/// Paths along the edges of a base mesh.
+pub struct Network<'a> {
+    /// The disc and its scaffold; positions in space are those in the plane that the paths are measured in.
+    mesh: &'a TriMesh,
+    /// The same with the paths on it as arcs.
+    pub cut: CutMesh,
+    /// The arc along an edge of the base mesh, by its ends, the lower first.
+    arcs: BTreeMap<[u32; 2], ArcId>,
+    /// First and second end of every arc; the landmark is the base mesh's point.
+    ends: IdVec<ArcId, [LandmarkId; 2]>,
+}
+
+fn key(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+impl<'a> Network<'a> {
+    /// Lays a path along every edge of the base mesh, whose point `i` is vertex `points[i]` of `mesh`.
+    ///
+    /// The last `ring` points are the mesh's boundary, in order.
+    pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], ring: usize) -> Result<Self> {
+        let cut = CutMesh::new(mesh, points, 0);
+        let mut network = Network { mesh, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
+        let first = points.len() - ring;
+        for i in 0..ring {
+            let [a, b] = [first + i, first + (i + 1) % ring];
+            network.mark([a as u32, b as u32], &[points[a], points[b]])?;
+        }
+        for [a, b] in order(base, first) {
+            if !network.arcs.contains_key(&key(a, b)) {
+                network.connect(base, a, b)?;
+            }
+        }
+        Ok(network)
+    }
+
+    /// Exchanges the path along a swapped edge for one along the new edge; `base` is the mesh after the swap.
+    pub fn swap(&mut self, base: &Triangulation, swap: &Swap) -> Result<()> {
+        let [a, b] = swap.old;
+        let arc = self.arcs.remove(&key(a, b)).ok_or_else(|| Error::bug("a swapped edge has no path"))?;
+        self.cut.unmark(arc, self.ends[arc][0]);
+        let [c, d] = swap.new;
+        self.connect(base, c, d)
+    }
+
+    /// Lays the path from `a` to `b` into the sectors in which the base mesh has the edge.
+    fn connect(&mut self, base: &Triangulation, a: u32, b: u32) -> Result<()> {
+        let sectors = [self.sector(base, a, b), self.sector(base, b, a)];
+        let vertex = |i: u32| self.cut.landmarks[LandmarkId(i)];
+        let ends = [vertex(a), vertex(b)];
+        let found = route(&self.cut, &Route { ends, sectors });
+        let stops = found.ok_or_else(|| Error::bug("a path of the base mesh is shut in").at(format!("{a} to {b}")))?;
+        let mut vertices = vec![ends[0]];
+        for stop in stops {
+            vertices.push(match stop {
+                Stop::Vertex(v) => v,
+                Stop::Middle([p, q]) => {
+                    let h = self.cut.conn.find(p, q).or_else(|| self.cut.conn.find(q, p));
+                    let h = h.ok_or_else(|| Error::bug("an edge to be split is gone"))?;
+                    self.cut.split_edge(self.mesh, h, 0.5)
+                }
+            });
+        }
+        vertices.push(ends[1]);
+        self.mark([a, b], &vertices)
+    }
+
+    fn mark(&mut self, [a, b]: [u32; 2], vertices: &[VertexId]) -> Result<()> {
+        let arc = self.ends.push([LandmarkId(a), LandmarkId(b)]);
+        self.arcs.insert(key(a, b), arc);
+        self.cut.mark_along(vertices, arc)
+    }
+
+    /// The half-edges that leave `a` from the path before `b` in the base mesh's cyclic order up to the next path; each
+    /// stands for the face at its left. All of them if there is no path at `a`.
+    fn sector(&self, base: &Triangulation, a: u32, b: u32) -> Vec<HalfedgeId> {
+        let ring = base.ring(a);
+        let spokes: Vec<HalfedgeId> = self.cut.conn.outgoing(self.cut.landmarks[LandmarkId(a)]).collect();
+        let at = ring.iter().position(|&v| v == b).unwrap_or_default();
+        let before =
+            (1..ring.len()).map(|k| ring[(at + ring.len() - k) % ring.len()]).find_map(|v| self.arcs.get(&key(a, v)));
+        let Some(&before) = before else { return spokes };
+        let leaves = |h: HalfedgeId| self.cut.arc_at(h).is_some_and(|d| d.arc == before);
+        let start = spokes.iter().position(|&h| leaves(h)).unwrap_or_default();
+        let turned = (0..spokes.len()).map(|k| spokes[(start + k) % spokes.len()]);
+        let first = turned.clone().take(1);
+        first.chain(turned.skip(1).take_while(|&h| self.cut.arc_at(h).is_none())).collect()
+    }
+
+    /// The base mesh, whose triangles these are, with the arcs as they run now.
+    pub fn complex(&self, triangles: impl Iterator<Item = [u32; 3]>) -> Result<BaseComplex> {
+        let mut number: IdVec<ArcId, Option<ArcId>> = IdVec::filled(None, self.ends.len());
+        let mut arcs = IdVec::default();
+        for &arc in self.arcs.values() {
+            number[arc] = Some(arcs.push(self.ends[arc]));
+        }
+        let side = |[a, b]: [u32; 2]| {
+            let arc = *self.arcs.get(&key(a, b))?;
+            Some(DirectedArc { arc: number[arc]?, reversed: self.ends[arc][0] != LandmarkId(a) })
+        };
+        let mut patches: IdVec<PatchId, _> = IdVec::default();
+        for [a, b, c] in triangles {
+            let sides = [side([a, b]), side([b, c]), side([c, a])];
+            let [Some(p), Some(q), Some(r)] = sides else {
+                return Err(Error::bug("an edge of the base mesh has no path"));
+            };
+            patches.push([p, q, r]);
+        }
+        Ok(BaseComplex { landmarks: self.cut.landmarks.len(), arcs, patches })
+    }
+
+    /// The cut mesh, its arcs numbered as [`Network::complex`] has them.
+    pub fn into_cut(mut self) -> CutMesh {
+        let mut number = IdVec::filled(None, self.ends.len());
+        for (new, &arc) in self.arcs.values().enumerate() {
+            number[arc] = Some(ArcId::new(new));
+        }
+        self.cut.renumber_arcs(&number);
+        self.cut
+    }
+}
+
+/// All edges of the base mesh: first a tree of short ones that hangs all points onto the ring, which starts at `first`,
+/// then the others, short ones first. In a disc without loose points a path is determined by the sectors of its ends.
+fn order(base: &Triangulation, first: usize) -> Vec<[u32; 2]> {
+    let mut edges: Vec<[u32; 2]> = Vec::new();
+    let unique: BTreeSet<[u32; 2]> = base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect();
+    edges.extend(unique);
+    let length = |&[a, b]: &[u32; 2]| base.point(a).distance(base.point(b));
+    edges.sort_by(|x, y| length(x).total_cmp(&length(y)));
+    let mut tree: Vec<u32> = (0..base.points().len() as u32).map(|v| v.min(first as u32)).collect();
+    let (mut joining, mut others) = (Vec::new(), Vec::new());
+    for edge in edges {
+        let [root, other] = edge.map(|v| tree[v as usize]);
+        if root == other {
+            others.push(edge);
+        } else {
+            joining.push(edge);
+            tree.iter_mut().filter(|t| **t == other).for_each(|t| *t = root);
+        }
+    }
+    joining.extend(others);
+    joining
+}
+
+/// The mesh in which paths are laid: the disc and its scaffold in the plane, lifted to height zero.
+pub fn lifted(positions: &[DVec2], triangles: &[[u32; 3]]) -> Result<TriMesh> {
+    let faces: Vec<[VertexId; 3]> = triangles.iter().map(|t| t.map(VertexId)).collect();
+    TriMesh::new(positions.iter().map(|p| p.extend(0.0)).collect(), &faces)
+        .map_err(|fault| Error::bug("the disc and its scaffold do not join").at(format!("{fault:?}")))
+}
