@@ -45,6 +45,16 @@ impl Piece {
         self.moving.positions.iter().map(|&p| sweep::joined(p)).collect()
     }
 
+    /// Where a vertex is.
+    pub fn position(&self, v: u32) -> DVec2 {
+        sweep::joined(self.moving.positions[v as usize])
+    }
+
+    /// Puts a vertex to a place, rounded as [`sweep::split`] does.
+    pub fn put(&mut self, v: u32, p: DVec2) {
+        self.moving.positions[v as usize] = sweep::split(p);
+    }
+
     /// Energy of all triangles.
     pub fn energy(&self) -> f64 {
         let Moving { triangles, sights, positions, .. } = &self.moving;

@@ -14,11 +14,12 @@
 
 use super::network::{Network, lifted};
 use super::refined::Refined;
-use super::sheet::{Framed, Sheet};
+use super::sheet::{Framed, SIDE};
 use crate::error::{Error, Result};
-use crate::mesh::{Id, VertexId};
+use crate::mesh::{FaceId, Id, VertexId};
 use crate::plane::convex::embed_patch;
 use crate::plane::divide::split_dividing_edges;
+use crate::plane::orientation::orientation;
 use crate::plane::patch_disc::{PatchDisc, arc_shares, patch_discs};
 use crate::plane::stretch::Frame;
 use crate::plane::warp::{Triangulation, Walker, WarpOptions, warp};
@@ -26,35 +27,40 @@ use glam::DVec2;
 use rayon::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation as _};
 
-/// What warping did.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Warped {
-    /// Edges of the base mesh that were swapped.
-    pub swaps: usize,
-}
+/// Times that all paths are laid anew at most.
+const RELAYS: usize = 4;
 
-/// Brings all features to their places; the disc gets the vertices that paths need.
+/// Brings all features to their places, or so far that `most` edges of the base mesh are swapped; the disc gets the
+/// vertices that paths need. Returns the number of swaps as well.
 ///
 /// # Errors
 /// Unsolvable if double precision cannot hold the patches.
-pub fn warp_sheet(sheet: &Sheet) -> Result<(Refined, Warped)> {
+pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
+    let sheet = &refined.sheet;
     let even = vec![1.0; sheet.triangles.len()];
     let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
     let Framed { domain, .. } = framed;
     let mesh = lifted(&domain.positions, &domain.triangles)?;
-    let ring = &sheet.ring;
-    let first = sheet.uv.len();
-    let features = sheet.features.iter().map(|f| VertexId(f.vertex));
-    let points: Vec<VertexId> = features.chain((first..first + ring.len()).map(VertexId::new)).collect();
+    let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
+    // Of the border's points the corners are enough for its hull, and fewer points make fewer paths.
+    let corners = rim.iter().copied().step_by(SIDE);
+    let points: Vec<VertexId> = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
     let mut base = guiding(&points.iter().map(|v| domain.positions[v.index()]).collect::<Vec<_>>())?;
-    let mut network = Network::lay(&mesh, &base, &points, ring.len())?;
+    let mut network = Network::lay(&mesh, &base, &points, &rim)?;
     let mut warped = base.clone();
     let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
-    let swaps = warp(&mut warped, &walkers, &WarpOptions::default())
+    let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, ..WarpOptions::default() })
         .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
     for swap in &swaps {
         base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;
         network.swap(&base, swap)?;
+    }
+    for _ in 0..RELAYS {
+        let before = network.added();
+        network.relay(&base)?;
+        if network.added() >= before {
+            break;
+        }
     }
     let complex = network.complex(warped.triangles())?;
     let mut cut = network.into_cut();
@@ -75,12 +81,21 @@ pub fn warp_sheet(sheet: &Sheet) -> Result<(Refined, Warped)> {
         return Err(too_fine());
     }
     let uv = place(&discs.raw, &triangles, cut.conn.vertex_count());
-    let mut refined = Refined::new(sheet, &cut, &mesh, &uv);
-    refined.sheet.features.iter().for_each(|f| refined.sheet.uv[f.vertex as usize] = f.place);
+    let is_upright = |f: FaceId| {
+        let [a, b, c] = cut.conn.face(f).map(|v| uv[v.index()]);
+        orientation(a, b, c) > 0.0
+    };
+    if !cut.conn.faces().all(is_upright) {
+        return Err(too_fine());
+    }
+    let mut refined = refined.divided(&cut, &mesh, &uv);
+    for (i, f) in (0u32..).zip(&sheet.features) {
+        refined.sheet.uv[f.vertex as usize] = warped.point(i);
+    }
     if refined.sheet.folded() > 0 {
         return Err(too_fine());
     }
-    Ok((refined, Warped { swaps: swaps.len() }))
+    Ok((refined, swaps.len()))
 }
 
 fn too_fine() -> Error {

@@ -13,6 +13,7 @@
 //! triangle is folded; at the end every feature is at its place to the last bit.
 
 pub mod base;
+mod creep;
 pub mod disc;
 mod files;
 pub mod job;
@@ -24,6 +25,7 @@ mod route;
 mod seam;
 pub mod sheet;
 mod start;
+pub mod subdivided;
 mod walk;
 mod weight;
 
@@ -39,20 +41,29 @@ use sheet::Sheet;
 use weight::near_features;
 
 /// Rounds of relaxation between attempts to take Steiner vertices out.
-const ROUNDS: usize = 3;
-/// Such attempts at most.
-const ATTEMPTS: usize = 6;
+const ROUNDS: usize = 2;
+/// Such attempts after every warp.
+const ATTEMPTS: usize = 4;
 /// Rounds of relaxation at the end.
 const LAST_ROUNDS: usize = 8;
+/// A warp stops after so many swaps, for the walk to go on: paths laid anew on a relaxed disc need fewer Steiner vertices
+/// than those that many swaps have wound up.
+const SWAPS: usize = 6;
+/// So many warps stop early; the next one goes through to the end.
+const WARPS: usize = 16;
+
+fn knob(name: &str, or: usize) -> usize {
+    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or)
+}
 
 /// What was done to meet the constraints.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ConstrainReport {
-    /// Features that walked all the way, or had to be warped.
-    pub warped: bool,
+    /// How often features that could not walk on were warped; 0 if all walked.
+    pub warps: usize,
     /// Swaps of base mesh edges.
     pub swaps: usize,
-    /// Steiner vertices that paths needed, and those that stayed.
+    /// Steiner vertices that paths needed, over all warps, and those that stayed.
     pub steiner: [usize; 2],
     /// E_L2 once the constraints were met, and after smoothing.
     pub e_l2: [f64; 2],
@@ -65,29 +76,43 @@ pub struct ConstrainReport {
 pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, ConstrainReport)> {
     start::start(&mut sheet, compute)?;
     let mut report = ConstrainReport::default();
-    let mut refined = if walk::walk(&mut sheet, compute)? {
-        Refined::unrefined(sheet)
-    } else {
-        let (refined, warped) = warp_sheet(&sheet)?;
-        (report.warped, report.swaps) = (true, warped.swaps);
-        refined
-    };
-    report.steiner[0] = refined.steiner.len();
-    report.e_l2[0] = stretch_of(&refined.sheet);
-    for _ in 0..ATTEMPTS {
-        if refined.steiner.is_empty() {
+    let mut refined = Refined::unrefined(sheet);
+    for k in 0.. {
+        if walk::walk(&mut refined.sheet, compute)? || k > knob("WARPS", WARPS) {
             break;
         }
-        refined.take_out();
-        let weight = vec![1.0; refined.sheet.triangles.len()];
-        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: ROUNDS })?;
+        let (warped, swaps) =
+            warp_sheet(&refined, if k < knob("WARPS", WARPS) { knob("SWAPS", SWAPS) } else { usize::MAX })?;
+        refined = warped;
+        report.warps += 1;
+        report.swaps += swaps;
+        report.steiner[0] += refined.steiner.len();
+        tidy(&mut refined, compute)?;
+        if std::env::var_os("HOMEO_SWEEP").is_some() {
+            eprintln!("  warp {k}: {swaps} swaps, {} now", refined.steiner.len());
+        }
     }
-    refined.take_out();
+    report.e_l2[0] = stretch_of(&refined.sheet);
+    tidy(&mut refined, compute)?;
     let weight = near_features(&refined.sheet);
     relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: LAST_ROUNDS })?;
     report.steiner[1] = refined.steiner.len();
     report.e_l2[1] = stretch_of(&refined.sheet);
     Ok((refined, report))
+}
+
+/// Relaxes a disc that was warped and takes out the Steiner vertices that it can do without then.
+fn tidy(refined: &mut Refined, compute: &Compute) -> Result<()> {
+    for _ in 0..knob("ATTEMPTS", ATTEMPTS) {
+        if refined.steiner.is_empty() {
+            break;
+        }
+        refined.take_out();
+        let weight = vec![1.0; refined.sheet.triangles.len()];
+        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: knob("ROUNDS", ROUNDS) })?;
+    }
+    refined.take_out();
+    Ok(())
 }
 
 /// E_L2 of the texture coordinates, 1 for an isometry up to scale.

@@ -5,18 +5,24 @@
 //! its ends (WARP 4.2, with sectors in place of geometric regions, which a path that bulges may leave).
 
 use super::route::{Route, Stop, route};
+use super::subdivided::{Steiner, Subdivided};
 use crate::error::{Error, Result};
-use crate::mesh::{ArcId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId};
+use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId, face_of};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cut_mesh::CutMesh;
 use crate::plane::warp::{Swap, Triangulation};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// So many added vertices that no path passes are taken out together, which costs as much as taking out one.
+const IDLE: usize = 24;
+
 /// Paths along the edges of a base mesh.
 pub struct Network<'a> {
     /// The disc and its scaffold; positions in space are those in the plane that the paths are measured in.
     mesh: &'a TriMesh,
+    /// Its triangles.
+    faces: Vec<[u32; 3]>,
     /// The same with the paths on it as arcs.
     pub cut: CutMesh,
     /// The arc along an edge of the base mesh, by its ends, the lower first.
@@ -32,14 +38,18 @@ fn key(a: u32, b: u32) -> [u32; 2] {
 impl<'a> Network<'a> {
     /// Lays a path along every edge of the base mesh, whose point `i` is vertex `points[i]` of `mesh`.
     ///
-    /// The last `ring` points are the mesh's boundary, in order.
-    pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], ring: usize) -> Result<Self> {
+    /// `rim` is the mesh's boundary in order, from the first of those points on that lie on it; they come last.
+    pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
         let cut = CutMesh::new(mesh, points, 0);
-        let mut network = Network { mesh, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
-        let first = points.len() - ring;
-        for i in 0..ring {
-            let [a, b] = [first + i, first + (i + 1) % ring];
-            network.mark([a as u32, b as u32], &[points[a], points[b]])?;
+        let faces = mesh.faces().iter().map(|t| t.map(|v| v.0)).collect();
+        let mut network = Network { mesh, faces, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
+        let at = |v: &VertexId| points.iter().position(|p| p == v);
+        let corners: Vec<usize> = (0..rim.len()).filter(|&i| at(&rim[i]).is_some()).collect();
+        let first = points.len() - corners.len();
+        for (k, &i) in corners.iter().enumerate() {
+            let end = corners.get(k + 1).copied().unwrap_or(rim.len());
+            let along: Vec<VertexId> = (i..=end).map(|j| rim[j % rim.len()]).collect();
+            network.mark([first + k, first + (k + 1) % corners.len()].map(|p| p as u32), &along)?;
         }
         for [a, b] in order(base, first) {
             if !network.arcs.contains_key(&key(a, b)) {
@@ -55,7 +65,88 @@ impl<'a> Network<'a> {
         let arc = self.arcs.remove(&key(a, b)).ok_or_else(|| Error::bug("a swapped edge has no path"))?;
         self.cut.unmark(arc, self.ends[arc][0]);
         let [c, d] = swap.new;
-        self.connect(base, c, d)
+        self.connect(base, c, d)?;
+        self.tidy_if(IDLE)
+    }
+
+    /// Lays every path anew between its neighbours, so that it takes the room that they have left since.
+    pub fn relay(&mut self, base: &Triangulation) -> Result<()> {
+        let edges: Vec<[u32; 2]> = self.arcs.keys().copied().collect();
+        for [a, b] in edges {
+            let arc = self.arcs[&key(a, b)];
+            if self.cut.is_rim(arc, self.ends[arc][0]) {
+                continue;
+            }
+            self.arcs.remove(&key(a, b));
+            self.cut.unmark(arc, self.ends[arc][0]);
+            self.tidy_if(IDLE)?;
+            self.connect(base, a, b)?;
+        }
+        self.tidy_if(1)
+    }
+
+    /// Number of vertices that paths have added.
+    pub fn added(&self) -> usize {
+        self.cut.conn.vertex_count() - self.mesh.positions.len()
+    }
+
+    /// Takes out the added vertices that no path passes any more, once there are so many.
+    fn tidy_if(&mut self, many: usize) -> Result<()> {
+        let given = self.mesh.positions.len();
+        let idle: Vec<u32> = (given..self.cut.conn.vertex_count())
+            .map(|v| v as u32)
+            .filter(|&v| !self.cut.is_blocked(VertexId(v)))
+            .collect();
+        if idle.len() < many {
+            return Ok(());
+        }
+        let part = |v: usize| self.cut.conn.leaving(VertexId::new(v)).map(|h| self.cut.face_origin[face_of(h)]);
+        let steiner = |v: usize| {
+            let triangle = part(v)?;
+            Some(Steiner {
+                triangle: triangle.0,
+                weights: self.cut.origin[VertexId::new(v)].barycentric_in(self.mesh, triangle)?,
+            })
+        };
+        let steiner: Option<Vec<Steiner>> = (given..self.cut.conn.vertex_count()).map(steiner).collect();
+        let steiner = steiner.ok_or_else(|| Error::bug("an added vertex lies in no triangle"))?;
+        let triangles = self.cut.conn.faces().map(|f| self.cut.conn.face(f).map(|v| v.0)).collect();
+        let part_of = self.cut.face_origin.iter().map(|f| f.0).collect();
+        let mut sub = Subdivided::new(&self.faces, given, triangles, part_of, steiner);
+        let mut left = idle;
+        loop {
+            let count = left.len();
+            left.retain(|&s| {
+                let found = sub.pulls(s).next();
+                found.inspect(|pull| sub.pull(pull)).is_none()
+            });
+            if left.len() == count {
+                break;
+            }
+        }
+        let number = sub.compact();
+        let Subdivided { triangles, part_of, .. } = sub;
+        self.rebuild(&triangles, &part_of, &number)
+    }
+
+    /// The cut mesh with the triangles that are left, the arcs as they were.
+    fn rebuild(&mut self, triangles: &[[u32; 3]], part_of: &[u32], number: &[Option<u32>]) -> Result<()> {
+        let paths: Vec<(ArcId, Vec<VertexId>)> = self
+            .arcs
+            .values()
+            .map(|&arc| {
+                let path = self.cut.arc_path(arc, self.ends[arc][0]);
+                let start = path.first().map(|&h| self.cut.conn.from(h));
+                let vertices = start.into_iter().chain(path.iter().map(|&h| self.cut.conn.to(h)));
+                (arc, vertices.filter_map(|v| number[v.index()].map(VertexId)).collect())
+            })
+            .collect();
+        let faces: Vec<[VertexId; 3]> = triangles.iter().map(|t| t.map(VertexId)).collect();
+        let origin = (0..number.len()).filter(|&v| number[v].is_some()).map(|v| self.cut.origin[VertexId::new(v)]);
+        let parts = part_of.iter().map(|&p| FaceId(p)).collect();
+        let landmarks = self.cut.landmarks.raw.clone();
+        self.cut = CutMesh::assemble(self.mesh, &faces, origin.collect(), parts, &landmarks, 0)?;
+        paths.iter().try_for_each(|(arc, vertices)| self.cut.mark_along(vertices, *arc))
     }
 
     /// Lays the path from `a` to `b` into the sectors in which the base mesh has the edge.

@@ -4,7 +4,7 @@
 //! larger; the symmetric Dirichlet energy, whose kernel this is, counts all four, is smooth, and is unbounded towards a
 //! fold. Newton steps carry an error over the whole disc, sweeps clear it up around single vertices.
 
-use super::sheet::{Framed, Sheet};
+use super::sheet::{Feature, Framed, Sheet};
 use crate::error::Result;
 use crate::gpu::Compute;
 use crate::kernel::sweep::Sight;
@@ -18,7 +18,7 @@ use glam::DVec2;
 /// Newton steps of a round.
 const STEPS: usize = 2;
 /// Sweeps of a round.
-const SWEEPS: usize = 4;
+const SWEEPS: usize = 8;
 /// A round that lowers the energy by a smaller share is the last.
 const SETTLED: f64 = 2e-3;
 
@@ -50,11 +50,11 @@ pub fn relax(sheet: &mut Sheet, compute: &Compute, how: &Relaxation) -> Result<(
     Ok(())
 }
 
-/// Drags the features towards their places, the others giving way; returns the share of the way gone.
-pub fn pull(sheet: &mut Sheet, compute: &Compute, weight: &[f64]) -> Result<f64> {
+/// Drags the features towards places for now, the others giving way; returns the share of the way gone.
+pub fn pull(sheet: &mut Sheet, compute: &Compute, weight: &[f64], to: &[Feature]) -> Result<f64> {
     let Some(Framed { mut domain, shapes, weights }) = sheet.framed(weight) else { return Ok(0.0) };
     let mut smoother = Smoother::shaped(&mut domain, &shapes, &weights);
-    let places: Vec<(u32, DVec2)> = sheet.features.iter().map(|f| (f.vertex, f.place)).collect();
+    let places: Vec<(u32, DVec2)> = to.iter().map(|f| (f.vertex, f.place)).collect();
     let share = drag(&mut smoother, &places);
     sweep(&mut smoother, compute)?;
     Ok(if adopt(sheet, &domain) { share } else { 0.0 })
@@ -81,7 +81,7 @@ fn sweep(smoother: &mut Smoother, compute: &Compute) -> Result<()> {
 }
 
 /// Takes over the positions of the disc's vertices if no triangle has folded; says whether it did.
-fn adopt(sheet: &mut Sheet, domain: &Domain) -> bool {
+pub fn adopt(sheet: &mut Sheet, domain: &Domain) -> bool {
     let mut uv = domain.positions[..sheet.uv.len()].to_vec();
     std::mem::swap(&mut sheet.uv, &mut uv);
     let holds = sheet.folded() == 0 && outer_holds(sheet, domain);

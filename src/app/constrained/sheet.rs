@@ -8,7 +8,7 @@ use crate::plane::scaffold::scaffold;
 use glam::{DVec2, DVec3};
 
 /// Points on a side of the border, one corner included.
-const SIDE: usize = 6;
+pub(super) const SIDE: usize = 6;
 /// Points between the boundary and the ring are this share of the ring's extent apart.
 const SPACING: f64 = 0.06;
 /// All scaffold triangles together count as much as this share of the disc.

@@ -35,18 +35,21 @@ pub struct WarpOptions {
     /// Into how many steps every way is divided. Walkers take turns, so more steps come nearer to all walking at once,
     /// which swaps fewer edges; 1 sends one after the other. Default 32.
     pub steps: u32,
+    /// Once so many edges are swapped the walkers stop where they are, between two steps. Default: none stops early.
+    pub swaps: usize,
 }
 
 impl Default for WarpOptions {
     fn default() -> Self {
-        WarpOptions { steps: 32 }
+        WarpOptions { steps: 32, swaps: usize::MAX }
     }
 }
 
 /// Rounds over walkers whose places others hold before the warp is given up; every round brings at least one home.
 const SPARE_ROUNDS: usize = 8;
 
-/// Moves all walkers, inner points with different places inside of the hull, to their places, exactly.
+/// Moves all walkers, inner points with different places inside of the hull, to their places, exactly, or until enough
+/// edges are swapped.
 ///
 /// Returns the edges swapped, in order. Fails, naming the walker and what stops it, if two places are equal or one is
 /// not inside; the triangulation is then valid still, with the others under way.
@@ -58,6 +61,9 @@ pub fn warp(
     let start: Vec<DVec2> = walkers.iter().map(|w| triangulation.point(w.point)).collect();
     let mut swaps = Vec::new();
     for k in 1..options.steps {
+        if swaps.len() >= options.swaps {
+            return Ok(swaps);
+        }
         let share = f64::from(k) / f64::from(options.steps);
         for (walker, &from) in walkers.iter().zip(&start) {
             // A walker that cannot make this step catches up with a later one.
@@ -196,11 +202,23 @@ mod tests {
                 }),
             }
             let walkers: Vec<Walker> = inner.iter().zip(&places).map(|(&point, &to)| Walker { point, to }).collect();
-            let options = WarpOptions { steps: [1, 7, 32][seed as usize % 3] };
+            let options = WarpOptions { steps: [1, 7, 32][seed as usize % 3], ..WarpOptions::default() };
             let swaps = warp(&mut t, &walkers, &options).unwrap_or_else(|e| panic!("seed {seed}: {e:?}"));
             assert!(t.is_valid() && euler(&t) == size, "seed {seed}");
             assert!(!swaps.is_empty() && walkers.iter().all(|w| t.point(w.point) == w.to), "seed {seed}");
         }
+    }
+
+    #[test]
+    fn after_so_many_swaps_walkers_stop_and_can_go_on() {
+        let (mut t, inner) = square(3);
+        let walkers: Vec<Walker> =
+            inner.iter().rev().zip(&inner).map(|(&point, &v)| Walker { point, to: t.point(v) }).collect();
+        let few = warp(&mut t, &walkers, &WarpOptions { swaps: 3, ..WarpOptions::default() }).expect("no obstacle");
+        assert!(few.len() >= 3 && t.is_valid());
+        assert!(walkers.iter().any(|w| t.point(w.point) != w.to), "some are still under way");
+        warp(&mut t, &walkers, &WarpOptions::default()).expect("the places differ");
+        assert!(t.is_valid() && walkers.iter().all(|w| t.point(w.point) == w.to));
     }
 
     #[test]
