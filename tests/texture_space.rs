@@ -19,6 +19,7 @@ use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::mesh::io::{MeshFile, VertexTable, write_obj};
 use homeo::picture::{Picture, read_picture};
 use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
+use homeo::stage::exr::Compression;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,8 @@ impl Drop for Scratch {
 }
 
 fn baked(mesh: &MeshFile, map: BakeMap, size: usize, padding: Padding, out: &Path) -> Picture {
-    bake(&Compute::Cpu, mesh, out, &BakeOptions { map, size, padding }).expect("a baked map");
+    bake(&Compute::Cpu, mesh, out, &BakeOptions { map, size, padding, compression: Compression::Zip })
+        .expect("a baked map");
     read_picture(out, true).expect("an image")
 }
 
@@ -134,7 +136,8 @@ fn stretch_of_ball(p: DVec3) -> f64 {
 fn tiles_oddities_and_refusals_are_named() {
     let scratch = Scratch::new("udim");
     let mut mesh = ball(2, [0, 1, 2, 3, 4, 5, 6, 7]);
-    let options = BakeOptions { map: BakeMap::Position, size: 32, padding: Padding::Texels(1) };
+    let padding = Padding::Texels(1);
+    let options = BakeOptions { map: BakeMap::Position, size: 32, padding, compression: Compression::Zip };
     // A second island lies on the first, turned over, and everything one tile to the right and two up.
     for uv in &mut mesh.uv.values {
         *uv += DVec2::new(1.0, 2.0);
@@ -168,7 +171,8 @@ fn tiles_oddities_and_refusals_are_named() {
 #[test]
 fn infinite_padding_leaves_nothing_empty() {
     let mesh = ball(3, [0, 1, 2, 3, 4, 5, 6, 7]);
-    let canvas = Canvas::new(150, 170, &UvTriangles::of(&mesh).corners);
+    let uv = UvTriangles::of(&mesh);
+    let canvas = Canvas::new(150, 170, &uv.corners);
     let mut rows = 0;
     canvas
         .bands(&Compute::Cpu, Padding::Infinite, |band| {
