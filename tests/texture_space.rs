@@ -187,6 +187,11 @@ fn infinite_padding_leaves_nothing_empty() {
 
 /// Two balls of eight islands each, the second with the islands in other places, mapped by their six poles.
 fn mapped(scratch: &Scratch) -> FinishedMap {
+    mapped_with_images(scratch, 0)
+}
+
+/// The same with so many samples along a tile of the geometry images.
+fn mapped_with_images(scratch: &Scratch, image: usize) -> FinishedMap {
     let meshes = [ball(6, [0, 1, 2, 3, 4, 5, 6, 7]), ball(6, [3, 7, 0, 5, 6, 1, 4, 2])];
     let file = |name: &str| scratch.0.join(name);
     for (name, mesh) in ["a.obj", "b.obj"].into_iter().zip(&meshes) {
@@ -210,7 +215,7 @@ fn mapped(scratch: &Scratch) -> FinishedMap {
         out: file("map"),
     };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU");
-    let options = MapOptions { image: 0, ..MapOptions::default() };
+    let options = MapOptions { image, ..MapOptions::default() };
     run_maps(vec![job], &options, device, &Silent, |outcome| drop(outcome.value.expect("a map")));
     read_finished_map(&file("map"), [None, None]).expect("the finished map")
 }
@@ -292,6 +297,26 @@ fn no_colour_bleeds_across_seams() {
         }
     }
     assert!(inner > 8000 && seen > inner, "{inner} of {seen}");
+}
+
+#[test]
+fn geometry_images_hold_the_texture_coordinates_of_their_points() {
+    let scratch = Scratch::new("uv");
+    let map = mapped_with_images(&scratch, 9);
+    for (mesh, name) in map.meshes.iter().zip(["source", "target"]) {
+        let image = |what: &str| {
+            let path = scratch.0.join(format!("map/geometry/{name}_{what}.exr"));
+            read_picture(&path, true).expect("an image")
+        };
+        let (positions, uv) = (image("position"), image("uv"));
+        assert_eq!((uv.width, uv.height, uv.channels), (positions.width, positions.height, 3));
+        for ([x, y, z, _], [u, v, zero, _]) in positions.pixels.into_iter().zip(uv.pixels) {
+            let at = DVec2::new(u.into(), v.into());
+            let (point, _) = surface_point(mesh, at).expect("a point at the texture coordinate");
+            assert!(point.distance(DVec3::new(x.into(), y.into(), z.into())) < 1e-4, "{name}: {at} is not {x} {y} {z}");
+            assert_eq!(zero, 0.0);
+        }
+    }
 }
 
 #[test]
