@@ -3,7 +3,8 @@
 //!
 //! Both draw the positions of a wavy sheet into its texture coordinates, from those coordinates on, into 32-bit floats, on all
 //! threads. The plain loop knows neither whose a texel on an edge is, nor overlaps, nor gutters, and it writes into an image
-//! that is there already; the twin hands over band after band, which is what goes into the file.
+//! that is there already; the twin hands over band after band, which is what goes into the file. It wins where triangles have
+//! many texels, and loses where they have few (1024 x 1024), as it looks at every triangle twice.
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use glam::{DVec2, Vec2, Vec4};
