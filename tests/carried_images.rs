@@ -112,6 +112,9 @@ fn inner() -> impl Iterator<Item = usize> {
     (0..SIZE * SIZE).filter(|&i| (texel_uv(i) - 0.5).abs().max_element() < 0.5 - 2.0 / SIZE as f64)
 }
 
+/// The texture coordinates of places on a sheet.
+type Layout = fn(DVec2) -> DVec2;
+
 fn quarter_turn(p: DVec2) -> DVec2 {
     DVec2::new(1.0 - p.y, p.x)
 }
@@ -171,7 +174,7 @@ fn the_tiles_of_a_source_reach_the_target() {
 fn normal_maps_turn_with_the_texture_coordinates() {
     let scratch = Scratch::new("normals");
     let lean = DVec3::new(0.48, 0.6, 0.64);
-    let turns: [(fn(DVec2) -> DVec2, DVec3); 3] = [
+    let turns: [(Layout, DVec3); 3] = [
         (|p| p, lean),
         // u runs along y, and v against x.
         (|p| DVec2::new(p.y, 1.0 - p.x), DVec3::new(0.6, -0.48, 0.64)),
