@@ -51,7 +51,7 @@ fn baked_octahedron(base: &BaseComplex, atlas: &Atlas) -> Vec<BakedImage> {
     let target = octahedron_mesh(octahedron_corners().iter().map(|p| *p * 2.0 + DVec3::Z).collect());
     let points = points_on_faces(base, atlas);
     let stretch = IdVec::from_raw(vec![1.0, 1.0, 1.0, 1.0, 2.0, 2.0]);
-    let on = |mesh| Sampled { mesh, points: &points };
+    let on = |mesh| Sampled { mesh, points: &points, uv: None };
     bake(base, atlas, on(&source), on(&target), &stretch, &resample).expect("matching sizes")
 }
 
@@ -126,13 +126,36 @@ fn a_layered_file_holds_every_image_and_shows_the_first() {
 }
 
 #[test]
+fn texture_coordinates_are_images_of_meshes_that_have_some() {
+    let base = from_triangles(6, &OCTAHEDRON);
+    let atlas = atlas_of(&base, 5);
+    let mesh = octahedron_mesh(octahedron_corners());
+    let points = points_on_faces(&base, &atlas);
+    let places: Vec<[f32; 2]> = (0..points.len()).map(|i| [i as f32, 0.5 * i as f32]).collect();
+    let on = |uv| Sampled { mesh: &mesh, points: &points, uv };
+    let stretch = IdVec::filled(1.0, 6);
+    let baked = |uv| bake(&base, &atlas, on(None), on(Some(uv)), &stretch, &resample);
+    let images = baked(&places[..]).expect("matching sizes");
+    assert_eq!(images.iter().map(|image| image.name).skip(6).collect::<Vec<_>>(), ["target_uv"]);
+    let inside = images[6].image.rgb_pixels().expect("R, G, B");
+    assert!(inside.iter().all(|&[u, v, zero]| v == 0.5 * u && zero == 0.0));
+    let bytes = encode_layered(&images, &TileTable::new(&atlas, &base)).expect("sound images");
+    let (file, _) = exr::read(Cursor::new(bytes)).expect("our own file");
+    for (layer, flat) in [("target.uv.U", "R"), ("target.uv.V", "G")] {
+        assert!(file.plane(layer).is_some() && file.plane(layer) == images[6].image.plane(flat), "{layer}");
+    }
+    assert_eq!(file.planes.len(), 3 + 4 * 3 + 2 + 2);
+    assert!(baked(&places[1..]).is_err());
+}
+
+#[test]
 fn the_mask_is_not_dilated_and_everything_else_is() {
     let base = complex(3, &[[0, 1], [1, 2], [2, 0]], &[[1, 2, 3]]);
     let atlas = atlas_of(&base, 5);
     let corners = vec![DVec3::new(1.0, 0.0, 1.0), DVec3::new(3.0, 0.0, 1.0), DVec3::new(1.0, 2.0, 1.0)];
     let mesh = TriMesh::new(corners, &[[0, 1, 2].map(VertexId)]).expect("a triangle");
     let points: Vec<(FaceId, [f64; 3])> = points_on_faces(&base, &atlas);
-    let on = Sampled { mesh: &mesh, points: &points };
+    let on = Sampled { mesh: &mesh, points: &points, uv: None };
     let stretch = IdVec::filled(1.0, 3);
     let images = bake(&base, &atlas, on, on, &stretch, &resample).expect("matching sizes");
     let mask = images[5].image.plane("Y").expect("Y");
@@ -152,7 +175,8 @@ fn bake_refuses_lists_of_the_wrong_length() {
     let atlas = atlas_of(&base, 5);
     let mesh = octahedron_mesh(octahedron_corners());
     let points = points_on_faces(&base, &atlas);
-    let (whole, short) = (Sampled { mesh: &mesh, points: &points }, Sampled { mesh: &mesh, points: &points[1..] });
+    let (whole, short) =
+        (Sampled { mesh: &mesh, points: &points, uv: None }, Sampled { mesh: &mesh, points: &points[1..], uv: None });
     let stretch = |n| IdVec::filled(1.0, n);
     let forgetful = |_: &[[f32; 4]], queries: &[Query]| Ok(vec![[0.0; 4]; queries.len() - 1]);
     assert!(bake(&base, &atlas, short, whole, &stretch(6), &resample).is_err());

@@ -6,7 +6,7 @@ use exr::prelude::{
     WritableImage, f16,
 };
 use homeo::ErrorKind;
-use homeo::stage::exr::{FloatImage, Plane, encode, read};
+use homeo::stage::exr::{BLOCK_ROWS, Compression as Squeeze, FloatImage, Format, Plane, encode, read, write_bands};
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 
 /// An image with no two equal values, and enough rows for several batches of blocks.
@@ -43,6 +43,26 @@ fn values_and_text_survive() {
     assert_eq!(read_json, json);
     let names: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
     assert_eq!(names, ["B", "G", "R"]);
+}
+
+#[test]
+fn every_compression_keeps_every_bit_band_by_band() {
+    let image = varied(70, 150);
+    let rows = 2 * BLOCK_ROWS * 70;
+    for compression in [Squeeze::None, Squeeze::Rle, Squeeze::Zip, Squeeze::Piz] {
+        let format = Format { size: [70, 150], names: &["B", "G", "R"], compression };
+        let mut bytes = Cursor::new(Vec::new());
+        let bands = (0..70 * 150).step_by(rows).map(|first| first..(first + rows).min(70 * 150));
+        let written = write_bands(format, "{}", &mut bytes, |sink| {
+            let planes = |band: std::ops::Range<usize>| {
+                image.planes.iter().map(|plane| &plane.values[band.clone()]).collect::<Vec<_>>()
+            };
+            bands.map(planes).try_for_each(|planes| sink(&planes))
+        });
+        written.expect("a sound image");
+        let (read_image, _) = read(Cursor::new(bytes.into_inner())).expect("our file");
+        assert_eq!(bits(&read_image), bits(&image), "{compression:?}");
+    }
 }
 
 #[test]

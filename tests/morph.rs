@@ -316,6 +316,21 @@ fn bad_input_is_refused_and_nothing_written() {
     assert_eq!(usage.status.code(), Some(2));
 }
 
+#[test]
+fn a_source_that_was_moved_is_found_and_told_from_another() {
+    let files = Files::mapped("moved");
+    let in_place = files.morph(&["to_egg"], &[]);
+    let glb = fs::read(files.path("out.glb")).expect("the morph");
+    fs::remove_file(files.path("out.glb")).expect("the morph");
+    fs::rename(files.path("ball.obj"), files.path("moved.obj")).expect("the source");
+    files.refuses(&["to_egg"], &[], &["ball.obj", "--source"]);
+    let moved = files.path("moved.obj");
+    files.refuses(&["to_egg"], &["--source", &files.path("egg.obj")], &["egg.obj", "not the one that was mapped"]);
+    files.refuses(&["to_egg"], &["--source", &files.path("gone.obj")], &["gone.obj", "not there"]);
+    assert_eq!(files.morph(&["to_egg"], &["--source", &moved])["vertices"], in_place["vertices"]);
+    assert!(fs::read(files.path("out.glb")).expect("the morph") == glb, "another file than from the old place");
+}
+
 /// A triangle and a vertex that no face uses.
 fn triangle(at: DVec3) -> MeshFile {
     let corners = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(0.1, 0.2, 0.3)];

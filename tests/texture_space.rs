@@ -19,6 +19,7 @@ use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::mesh::io::{MeshFile, VertexTable, write_obj};
 use homeo::picture::{Picture, read_picture};
 use homeo::pipeline::{MapJob, MapOptions, Silent, run_maps};
+use homeo::stage::exr::Compression;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,8 @@ impl Drop for Scratch {
 }
 
 fn baked(mesh: &MeshFile, map: BakeMap, size: usize, padding: Padding, out: &Path) -> Picture {
-    bake(&Compute::Cpu, mesh, out, &BakeOptions { map, size, padding }).expect("a baked map");
+    bake(&Compute::Cpu, mesh, out, &BakeOptions { map, size, padding, compression: Compression::Zip })
+        .expect("a baked map");
     read_picture(out, true).expect("an image")
 }
 
@@ -134,7 +136,8 @@ fn stretch_of_ball(p: DVec3) -> f64 {
 fn tiles_oddities_and_refusals_are_named() {
     let scratch = Scratch::new("udim");
     let mut mesh = ball(2, [0, 1, 2, 3, 4, 5, 6, 7]);
-    let options = BakeOptions { map: BakeMap::Position, size: 32, padding: Padding::Texels(1) };
+    let padding = Padding::Texels(1);
+    let options = BakeOptions { map: BakeMap::Position, size: 32, padding, compression: Compression::Zip };
     // A second island lies on the first, turned over, and everything one tile to the right and two up.
     for uv in &mut mesh.uv.values {
         *uv += DVec2::new(1.0, 2.0);
@@ -168,7 +171,8 @@ fn tiles_oddities_and_refusals_are_named() {
 #[test]
 fn infinite_padding_leaves_nothing_empty() {
     let mesh = ball(3, [0, 1, 2, 3, 4, 5, 6, 7]);
-    let canvas = Canvas::new(150, 170, &UvTriangles::of(&mesh).corners);
+    let uv = UvTriangles::of(&mesh);
+    let canvas = Canvas::new(150, 170, &uv.corners);
     let mut rows = 0;
     canvas
         .bands(&Compute::Cpu, Padding::Infinite, |band| {
@@ -183,6 +187,11 @@ fn infinite_padding_leaves_nothing_empty() {
 
 /// Two balls of eight islands each, the second with the islands in other places, mapped by their six poles.
 fn mapped(scratch: &Scratch) -> FinishedMap {
+    mapped_with_images(scratch, 0)
+}
+
+/// The same with so many samples along a tile of the geometry images.
+fn mapped_with_images(scratch: &Scratch, image: usize) -> FinishedMap {
     let meshes = [ball(6, [0, 1, 2, 3, 4, 5, 6, 7]), ball(6, [3, 7, 0, 5, 6, 1, 4, 2])];
     let file = |name: &str| scratch.0.join(name);
     for (name, mesh) in ["a.obj", "b.obj"].into_iter().zip(&meshes) {
@@ -206,7 +215,7 @@ fn mapped(scratch: &Scratch) -> FinishedMap {
         out: file("map"),
     };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU");
-    let options = MapOptions { image: 0, ..MapOptions::default() };
+    let options = MapOptions { image, ..MapOptions::default() };
     run_maps(vec![job], &options, device, &Silent, |outcome| drop(outcome.value.expect("a map")));
     read_finished_map(&file("map"), [None, None]).expect("the finished map")
 }
@@ -288,6 +297,26 @@ fn no_colour_bleeds_across_seams() {
         }
     }
     assert!(inner > 8000 && seen > inner, "{inner} of {seen}");
+}
+
+#[test]
+fn geometry_images_hold_the_texture_coordinates_of_their_points() {
+    let scratch = Scratch::new("uv");
+    let map = mapped_with_images(&scratch, 9);
+    for (mesh, name) in map.meshes.iter().zip(["source", "target"]) {
+        let image = |what: &str| {
+            let path = scratch.0.join(format!("map/geometry/{name}_{what}.exr"));
+            read_picture(&path, true).expect("an image")
+        };
+        let (positions, uv) = (image("position"), image("uv"));
+        assert_eq!((uv.width, uv.height, uv.channels), (positions.width, positions.height, 3));
+        for ([x, y, z, _], [u, v, zero, _]) in positions.pixels.into_iter().zip(uv.pixels) {
+            let at = DVec2::new(u.into(), v.into());
+            let (point, _) = surface_point(mesh, at).expect("a point at the texture coordinate");
+            assert!(point.distance(DVec3::new(x.into(), y.into(), z.into())) < 1e-4, "{name}: {at} is not {x} {y} {z}");
+            assert_eq!(zero, 0.0);
+        }
+    }
 }
 
 #[test]

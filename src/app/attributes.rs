@@ -47,10 +47,10 @@ impl BakeMap {
 }
 
 /// The values of a map at the three corners of every triangle; numbers stand in the first lane.
-pub fn corner_values(mesh: &MeshFile, uv: &[[DVec2; 3]], map: BakeMap) -> Vec<Lanes> {
+pub fn corner_values(mesh: &MeshFile, uv: &[[DVec2; 3]], map: BakeMap) -> Vec<[Lanes; 3]> {
     let vector = |v: DVec3| v.as_vec3().extend(0.0).to_array();
     let number = |x: f64| [x as f32, 0.0, 0.0, 0.0];
-    match map {
+    let values = match map {
         BakeMap::Position => at_corners(mesh, |c| vector(mesh.positions[mesh.corners[c].0 as usize])),
         BakeMap::Normal => corner_normals(mesh).into_iter().map(vector).collect(),
         BakeMap::Tangent => corner_tangents(mesh, uv).into_iter().map(|(t, _)| vector(t)).collect(),
@@ -59,7 +59,8 @@ pub fn corner_values(mesh: &MeshFile, uv: &[[DVec2; 3]], map: BakeMap) -> Vec<La
             at_corners(mesh, |c| number(curvature[mesh.corners[c]]))
         }
         BakeMap::Distortion => distortion(mesh, uv).into_iter().flat_map(|x| [number(x); 3]).collect(),
-    }
+    };
+    values.as_chunks().0.to_vec()
 }
 
 fn at_corners<T>(mesh: &MeshFile, value: impl Fn(usize) -> T) -> Vec<T> {

@@ -10,10 +10,11 @@ use super::udim::{beside, file_of, is_pattern};
 use super::uv::{Tile, UvTriangles};
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
-use crate::kernel::{Lanes, NO_TRIANGLE, Query, Texel, resample};
+use crate::kernel::{Lanes, texel_values};
 use crate::mesh::io::MeshFile;
-use crate::stage::exr::{BandSink, write_bands};
+use crate::stage::exr::{BandSink, Compression, Format, write_bands};
 use crate::stage::write::OutputFile;
+use glam::Vec4;
 use rayon::prelude::*;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -27,6 +28,8 @@ pub struct BakeOptions {
     pub size: usize,
     /// How far gutters are filled.
     pub padding: Padding,
+    /// Of the EXR files.
+    pub compression: Compression,
 }
 
 /// What was baked, and what is odd about the texture coordinates.
@@ -90,23 +93,28 @@ fn bake_tile(
     out: &Path,
     options: &BakeOptions,
     (uv, tile): (&UvTriangles, Tile),
-    values: &[Lanes],
+    values: &[[Lanes; 3]],
     polygons: &[u32],
     report: &mut BakeReport,
 ) -> Result<()> {
-    let canvas = Canvas::new(options.size, options.size, &uv.seen_from(tile));
+    let seen = uv.seen_from(tile);
+    let canvas = Canvas::new(options.size, options.size, &seen);
     let path = file_of(out, tile)?;
     let mask_path = beside(&path, "mask");
     let (mut image, mut mask) = (OutputFile::create(&path)?, OutputFile::create(&mask_path)?);
-    let size = [options.size; 2];
     let [name, unit] = options.map.words();
     let names: &[&str] = if options.map.is_vector() { &["B", "G", "R"] } else { &["Y"] };
-    write_bands(size, names, &metadata(name, unit)?, image.writer(), |image| {
-        write_bands(size, &["Y"], &metadata("mask", "1 inside, 0 outside")?, mask.writer(), |mask| {
+    let format = |names| Format { size: [options.size; 2], names, compression: options.compression };
+    write_bands(format(names), &metadata(name, unit)?, image.writer(), |image| {
+        write_bands(format(&["Y"]), &metadata("mask", "1 inside, 0 outside")?, mask.writer(), |mask| {
+            let mut pixels = Vec::new();
             canvas.bands(compute, options.padding, |band| {
-                count(&band, polygons, report);
-                write_mask(&band, mask)?;
-                let pixels = interpolate(compute, &band.texels, values, options.map.is_direction())?;
+                count(band, polygons, report);
+                write_mask(band, mask)?;
+                texel_values(compute, &band.texels, values, &mut pixels)?;
+                if options.map.is_direction() {
+                    pixels.par_iter_mut().for_each(|p| *p = Vec4::from_array(*p).normalize_or_zero().to_array());
+                }
                 write_planes(&pixels, names.len(), image)
             })
         })
@@ -119,38 +127,22 @@ fn bake_tile(
 }
 
 fn count(band: &Band, polygons: &[u32], report: &mut BakeReport) {
-    report.covered += band.texels.iter().filter(|t| t.covers > 0).count();
-    let several = || band.texels.iter().filter(|t| t.covers > 1);
+    report.covered += band.texels.par_iter().filter(|t| t.covers > 0).count();
+    let several = || band.texels.par_iter().filter(|t| t.covers > 1);
     report.overlapping.count += several().count();
-    let first = several().next().map(|t| polygons[t.triangle as usize]);
-    report.overlapping.face = report.overlapping.face.or(first);
-}
-
-/// The values that texels show; zero where they show none.
-fn interpolate(compute: &Compute, texels: &[Texel], values: &[Lanes], is_direction: bool) -> Result<Vec<Lanes>> {
-    let query = |texel: &Texel| {
-        let (first, [w0, w1, w2]) = match texel.triangle {
-            NO_TRIANGLE => (0, [0.0; 3]),
-            t => (3 * t, texel.weights()),
-        };
-        Query { i0: first, i1: first + 1, i2: first + 2, w0, w1, w2 }
-    };
-    let queries: Vec<Query> = texels.par_iter().map(query).collect();
-    let mut pixels = resample(compute, &queries, values)?;
-    if is_direction {
-        pixels.par_iter_mut().for_each(|p| *p = glam::Vec4::from_array(*p).normalize_or_zero().to_array());
+    if report.overlapping.count > 0 && report.overlapping.face.is_none() {
+        report.overlapping.face = several().find_first(|_| true).map(|t| polygons[t.triangle as usize]);
     }
-    Ok(pixels)
 }
 
 fn write_mask(band: &Band, sink: &mut BandSink) -> Result<()> {
-    let inside: Vec<f32> = band.texels.iter().map(|t| f32::from(u8::from(t.covers > 0))).collect();
+    let inside: Vec<f32> = band.texels.par_iter().map(|t| f32::from(u8::from(t.covers > 0))).collect();
     sink(&[&inside])
 }
 
 /// Hands over the first lanes of pixels, the last channel first: `B`, `G`, `R`.
 fn write_planes(pixels: &[Lanes], channels: usize, sink: &mut BandSink) -> Result<()> {
-    let planes: Vec<Vec<f32>> = (0..channels).rev().map(|k| pixels.iter().map(|p| p[k]).collect()).collect();
+    let planes: Vec<Vec<f32>> = (0..channels).rev().map(|k| pixels.par_iter().map(|p| p[k]).collect()).collect();
     sink(&planes.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }
 

@@ -7,18 +7,22 @@
 use super::gutter::Gutter;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
-use crate::kernel::{FlatTriangle, NO_TRIANGLE, Texel, texels};
+use crate::kernel::texels::draw;
+use crate::kernel::{FlatTriangle, NO_TRIANGLE, Texel};
 use crate::stage::exr::BLOCK_ROWS;
 use glam::{DMat2, DVec2};
 use rayon::prelude::*;
+use std::ops::Range;
 
 /// The largest side of an image, in texels.
 pub const LARGEST: usize = 16384;
-/// Rows of a band: whole blocks of EXR files, enough of them to keep the cores busy.
-const BAND: usize = 4 * BLOCK_ROWS;
+/// Rows of a band at least: whole blocks of EXR files, enough of them to keep the cores busy.
+const BAND: usize = 2 * BLOCK_ROWS;
+/// Texels of a band at least: with fewer, handing out the work would show.
+const BAND_TEXELS: usize = 1 << 18;
 /// Windows in which triangles are drawn at once: small enough for the cache and for f32, large enough for few triangles to
 /// lie in several.
-const WINDOW: [usize; 2] = [1024, BLOCK_ROWS];
+const WINDOW: [usize; 2] = [512, 16];
 
 /// How far the gutters are filled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,30 +54,36 @@ pub struct Band {
 }
 
 /// Triangles over an image.
-pub struct Canvas {
+pub struct Canvas<'a> {
     width: usize,
     height: usize,
-    /// Corners in texels, y downwards.
-    triangles: Vec<[DVec2; 3]>,
-    /// For every window of the image, row by row, the triangles whose bounding box meets it, in order.
-    windows: Vec<Vec<u32>>,
+    /// Texture coordinates of the corners.
+    uv: &'a [[DVec2; 3]],
+    /// For shares of the triangles, in order, and every window of the image, row by row: those whose bounding box meets it.
+    windows: Vec<Vec<Vec<u32>>>,
 }
 
-impl Canvas {
+impl<'a> Canvas<'a> {
     /// Prepares an image of `width` x `height` texels over triangles of texture coordinates in the unit square, v up. Triangles
     /// without area, or with a coordinate that is not finite, cover nothing.
-    pub fn new(width: usize, height: usize, uv: &[[DVec2; 3]]) -> Canvas {
-        let size = DVec2::new(width as f64, height as f64);
-        let place = |p: DVec2| DVec2::new(p.x, 1.0 - p.y) * size;
-        let triangles: Vec<[DVec2; 3]> = uv.iter().map(|t| t.map(place)).collect();
-        let mut canvas = Canvas { width, height, triangles, windows: Vec::new() };
-        canvas.windows = canvas.bins();
+    pub fn new(width: usize, height: usize, uv: &'a [[DVec2; 3]]) -> Canvas<'a> {
+        let mut canvas = Canvas { width, height, uv, windows: Vec::new() };
+        let share = uv.len().div_ceil(rayon::current_num_threads()).max(1);
+        let starts = (0..uv.len()).into_par_iter().step_by(share);
+        canvas.windows = starts.map(|first| canvas.bins(first..uv.len().min(first + share))).collect();
         canvas
+    }
+
+    /// A triangle's corners in texels, y downwards.
+    #[inline]
+    fn corners(&self, triangle: u32) -> [DVec2; 3] {
+        let size = DVec2::new(self.width as f64, self.height as f64);
+        self.uv[triangle as usize].map(|p| DVec2::new(p.x, 1.0 - p.y) * size)
     }
 
     /// The derivative of the weights of a triangle's second and third corner by steps of a texel to the right and down.
     pub fn weights_by_texel(&self, triangle: u32) -> DMat2 {
-        let [a, b, c] = self.triangles[triangle as usize];
+        let [a, b, c] = self.corners(triangle);
         DMat2::from_cols(b - a, c - a).inverse()
     }
 
@@ -81,13 +91,15 @@ impl Canvas {
         self.width.div_ceil(WINDOW[0])
     }
 
-    fn bins(&self) -> Vec<Vec<u32>> {
+    /// For every window those of some triangles whose bounding box meets it.
+    fn bins(&self, triangles: Range<usize>) -> Vec<Vec<u32>> {
         let (columns, rows) = (self.columns(), self.height.div_ceil(WINDOW[1]));
         let mut windows = vec![Vec::new(); columns * rows];
-        for (t, corners) in (0u32..).zip(&self.triangles) {
+        for t in triangles.start as u32..triangles.end as u32 {
+            let corners = self.corners(t);
             let low = corners.iter().copied().fold(DVec2::INFINITY, DVec2::min);
             let high = corners.iter().copied().fold(DVec2::NEG_INFINITY, DVec2::max);
-            let is_drawn = corners.iter().all(|p| p.is_finite()) && double_area(*corners) != 0.0;
+            let is_drawn = corners.iter().all(|p| p.is_finite()) && double_area(corners) != 0.0;
             let is_inside = low.x < self.width as f64 && low.y < self.height as f64 && high.min_element() > 0.0;
             if !is_drawn || !is_inside {
                 continue;
@@ -107,73 +119,84 @@ impl Canvas {
     }
 
     /// Goes through the image from the top. Fails as `visit` does, or on a device error.
-    pub fn bands(&self, compute: &Compute, padding: Padding, mut visit: impl FnMut(Band) -> Result<()>) -> Result<()> {
-        let mut gutter = match padding {
-            Padding::Texels(0) => None,
-            _ => Some(Gutter::new(self.width, padding.limit(), self.drawn(compute))?),
-        };
-        for band in self.drawn(compute) {
-            let mut band = band?;
+    pub fn bands(&self, compute: &Compute, padding: Padding, mut visit: impl FnMut(&Band) -> Result<()>) -> Result<()> {
+        let mut gutter = None;
+        if padding != Padding::Texels(0) {
+            let gutter = gutter.insert(Gutter::new(self.width, padding.limit()));
+            self.drawn(compute, |band| {
+                gutter.look(band);
+                Ok(())
+            })?;
+        }
+        self.drawn(compute, |band| {
             if let Some(gutter) = &mut gutter {
-                gutter.fill(&mut band);
+                gutter.fill(band);
             }
-            visit(band)?;
+            visit(band)
+        })
+    }
+
+    /// All bands without gutters, one after the other in the same memory.
+    fn drawn(&self, compute: &Compute, mut visit: impl FnMut(&mut Band) -> Result<()>) -> Result<()> {
+        let mut band = Band { first_row: 0, rows: 0, texels: Vec::new() };
+        let rows = BAND_TEXELS.div_ceil(self.width).next_multiple_of(BLOCK_ROWS).max(BAND);
+        for first_row in (0..self.height).step_by(rows) {
+            band.first_row = first_row;
+            band.rows = rows.min(self.height - first_row);
+            band.texels.resize(self.width * band.rows, Texel::EMPTY);
+            self.draw(compute, &mut band)?;
+            visit(&mut band)?;
         }
         Ok(())
     }
 
-    /// All bands without gutters.
-    fn drawn(&self, compute: &Compute) -> impl Iterator<Item = Result<Band>> {
-        (0..self.height).step_by(BAND).map(|first_row| self.draw(compute, first_row))
-    }
-
     /// Draws the triangles in a band.
-    fn draw(&self, compute: &Compute, first_row: usize) -> Result<Band> {
-        let rows = BAND.min(self.height - first_row);
+    fn draw(&self, compute: &Compute, band: &mut Band) -> Result<()> {
         let columns = self.columns();
-        let places: Vec<[usize; 2]> = (first_row..first_row + rows)
-            .step_by(WINDOW[1])
-            .flat_map(|y| (0..columns).map(move |c| [c * WINDOW[0], y]))
-            .collect();
-        let drawn: Vec<Vec<Texel>> =
-            places.par_iter().map(|&[x, y]| self.draw_window(compute, x, y)).collect::<Result<_>>()?;
-        let mut texels = vec![Texel::EMPTY; self.width * rows];
-        for (&[x, y], window) in places.iter().zip(&drawn) {
-            let width = WINDOW[0].min(self.width - x);
-            for (row, line) in window.chunks(width).enumerate() {
-                let at = (y - first_row + row) * self.width + x;
-                texels[at..at + width].copy_from_slice(line);
+        let mut windows: Vec<Vec<&mut [Texel]>> = Vec::new();
+        windows.resize_with(columns * band.rows.div_ceil(WINDOW[1]), Vec::new);
+        for (row, line) in band.texels.chunks_mut(self.width).enumerate() {
+            for (column, piece) in line.chunks_mut(WINDOW[0]).enumerate() {
+                windows[row / WINDOW[1] * columns + column].push(piece);
             }
         }
-        Ok(Band { first_row, rows, texels })
+        let first = band.first_row / WINDOW[1] * columns;
+        let windows = windows.into_par_iter().enumerate();
+        windows.try_for_each(|(i, lines)| self.draw_window(compute, first + i, lines))
     }
 
-    fn draw_window(&self, compute: &Compute, x: usize, y: usize) -> Result<Vec<Texel>> {
-        let list = &self.windows[y / WINDOW[1] * self.columns() + x / WINDOW[0]];
-        let origin = DVec2::new(x as f64, y as f64);
-        let mut turned = Vec::with_capacity(list.len());
+    /// Draws the triangles in a window with these rows.
+    fn draw_window(&self, compute: &Compute, window: usize, mut lines: Vec<&mut [Texel]>) -> Result<()> {
+        let columns = self.columns();
+        let left = (window % columns * WINDOW[0]) as f64;
+        let bottom = (window / columns * WINDOW[1] + lines.len()) as f64;
+        // From the bottom up, so that triangles have a positive area unless they are turned over in texture space.
+        lines.reverse();
+        let numbers: Vec<u32> = self.windows.iter().flat_map(|share| &share[window]).copied().collect();
+        let mut turned = false;
         let flat = |&t: &u32| {
-            let mut corners = self.triangles[t as usize];
-            let is_turned = double_area(corners) < 0.0;
-            if is_turned {
+            let mut corners = self.corners(t);
+            if is_turned(corners) {
                 corners.swap(1, 2);
+                turned = true;
             }
-            turned.push(is_turned);
-            let [a, b, c] = corners.map(|p| (p - origin).as_vec2());
+            let [a, b, c] = corners.map(|p| DVec2::new(p.x - left, bottom - p.y).as_vec2());
             FlatTriangle { ax: a.x, ay: a.y, bx: b.x, by: b.y, cx: c.x, cy: c.y }
         };
-        let triangles: Vec<FlatTriangle> = list.iter().map(flat).collect();
-        let (width, height) = (WINDOW[0].min(self.width - x), WINDOW[1].min(self.height - y));
-        let mut window = texels(compute, width as u32, height as u32, &triangles)?;
-        for texel in window.iter_mut().filter(|texel| texel.triangle != NO_TRIANGLE) {
-            let local = texel.triangle as usize;
-            texel.triangle = list[local];
-            if turned[local] {
-                std::mem::swap(&mut texel.w1, &mut texel.w2);
-            }
+        let triangles: Vec<FlatTriangle> = numbers.iter().map(flat).collect();
+        draw(compute, &mut lines, &triangles, &numbers)?;
+        if turned {
+            let texels = lines.iter_mut().flat_map(|line| line.iter_mut()).filter(|t| t.triangle != NO_TRIANGLE);
+            let texels = texels.filter(|texel| is_turned(self.corners(texel.triangle)));
+            texels.for_each(|texel| std::mem::swap(&mut texel.w1, &mut texel.w2));
         }
-        Ok(window)
+        Ok(())
     }
+}
+
+/// True for corners that are turned over in texture space; here y is downwards.
+fn is_turned(corners: [DVec2; 3]) -> bool {
+    double_area(corners) > 0.0
 }
 
 fn double_area([a, b, c]: [DVec2; 3]) -> f64 {

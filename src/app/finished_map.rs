@@ -1,11 +1,11 @@
 //! A finished map, read back from its folder and from the files of its meshes.
 
-use super::map_folder::MapFolder;
+use super::map_folder::{MapFolder, read_mapped};
 use crate::error::{Error, Result};
 use crate::map::atlas::Atlas;
-use crate::map::charts::{Charts, MAP_FILE, fingerprint};
+use crate::map::charts::Charts;
 use crate::map::tile_table::TileTable;
-use crate::mesh::io::{MeshFile, read_mesh};
+use crate::mesh::io::MeshFile;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -31,22 +31,8 @@ struct Layout {
 /// Input, if the folder holds no finished map, a mesh is not found, or it is not the one that was mapped.
 pub fn read_finished_map(dir: &Path, moved: [Option<&Path>; 2]) -> Result<FinishedMap> {
     let folder = MapFolder::open(dir)?;
-    let path = dir.join(MAP_FILE);
-    let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, &e).remedy("map the pair again"))?;
-    let charts = Charts::decode(&bytes).map_err(|e| e.file(&path))?;
-    let mesh = |k: usize, flag: &str| -> Result<MeshFile> {
-        let file = moved[k].unwrap_or(folder.mesh(k));
-        if !file.is_file() {
-            let what = "the mesh that was mapped is not there";
-            return Err(Error::input(what).file(file).remedy(format!("say where it is with {flag}")));
-        }
-        let mesh = read_mesh(file)?;
-        if fingerprint(&mesh) != charts.meshes[k].fingerprint {
-            let what = "the mesh is not the one that was mapped";
-            return Err(Error::input(what).file(file).remedy(format!("map it again, or name the other with {flag}")));
-        }
-        Ok(mesh)
-    };
+    let charts = folder.read_charts()?;
+    let mesh = |k: usize, flag| read_mapped(moved[k].unwrap_or(folder.mesh(k)), charts.meshes[k].fingerprint, flag);
     let meshes = [mesh(0, "--source")?, mesh(1, "--target")?];
     let atlas = read_atlas(&dir.join(LAYOUT_FILE))?;
     Ok(FinishedMap { meshes, charts, atlas })

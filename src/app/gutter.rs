@@ -4,9 +4,11 @@
 //! column knows the nearest covered texel above and below, and a row's nearest ones follow from the columns'.
 
 use super::canvas::Band;
-use crate::error::Result;
 use crate::kernel::Texel;
 use rayon::prelude::*;
+
+/// Columns that a thread looks through at a time.
+const COLUMNS: usize = 64;
 
 /// A covered texel of a column.
 #[derive(Clone, Copy)]
@@ -21,6 +23,8 @@ pub(super) struct Gutter {
     limit: u32,
     /// For every column the covered texels below uncovered ones, or at the top.
     tops: Vec<Vec<Seen>>,
+    /// For every column whether its last texel was covered, while they are noted.
+    was_covered: Vec<bool>,
     /// For every column how many of them lie above the row at hand.
     passed: Vec<usize>,
     /// For every column the last covered texel above.
@@ -28,23 +32,27 @@ pub(super) struct Gutter {
 }
 
 impl Gutter {
-    /// Looks through all `bands` of an image of this width once; texels farther than `limit` from any covered one stay empty.
-    pub fn new(width: usize, limit: u32, bands: impl Iterator<Item = Result<Band>>) -> Result<Gutter> {
-        let mut tops: Vec<Vec<Seen>> = vec![Vec::new(); width];
-        let mut was_covered = vec![false; width];
-        for band in bands {
-            let band = band?;
-            for (row, line) in (band.first_row..).zip(band.texels.chunks(width)) {
-                for (x, &texel) in line.iter().enumerate() {
+    /// For an image of this width; texels farther than `limit` from any covered one stay empty.
+    pub fn new(width: usize, limit: u32) -> Gutter {
+        let tops = vec![Vec::new(); width];
+        Gutter { width, limit, tops, was_covered: vec![false; width], passed: vec![0; width], above: vec![None; width] }
+    }
+
+    /// Notes where the columns of the next band enter the covered part; they come from the top.
+    pub fn look(&mut self, band: &Band) {
+        let columns = self.tops.par_chunks_mut(COLUMNS).zip(self.was_covered.par_chunks_mut(COLUMNS)).enumerate();
+        columns.for_each(|(chunk, (tops, was_covered))| {
+            for (row, line) in (band.first_row..).zip(band.texels.chunks(self.width)) {
+                let line = &line[chunk * COLUMNS..];
+                for ((texel, tops), was_covered) in line.iter().zip(&mut *tops).zip(&mut *was_covered) {
                     let is_covered = texel.covers > 0;
-                    if is_covered && !was_covered[x] {
-                        tops[x].push(Seen { row, texel });
+                    if is_covered && !*was_covered {
+                        tops.push(Seen { row, texel: *texel });
                     }
-                    was_covered[x] = is_covered;
+                    *was_covered = is_covered;
                 }
             }
-        }
-        Ok(Gutter { width, limit, tops, passed: vec![0; width], above: vec![None; width] })
+        });
     }
 
     /// Fills the next band; they come from the top.

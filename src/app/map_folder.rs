@@ -1,6 +1,7 @@
 //! A finished map's folder, as `homeo map` wrote it, read back.
 
 use crate::error::{Error, Result};
+use crate::map::charts::{Charts, MAP_FILE, fingerprint};
 use crate::mesh::io::{MeshFile, read_mesh};
 use crate::mesh::{FaceId, Id};
 use crate::stage::write::folder::REPORT_FILE;
@@ -65,20 +66,35 @@ impl MapFolder {
         stem.map_or_else(|| "target".to_owned(), |stem| stem.to_string_lossy().into_owned())
     }
 
-    /// The source as the map has it: its file, or what refinement made of it.
+    /// The map at every point.
+    pub fn read_charts(&self) -> Result<Charts> {
+        let path = self.dir.join(MAP_FILE);
+        let bytes = fs::read(&path).map_err(|e| Error::io(&path, &e).remedy("map the pair again"))?;
+        Charts::decode(&bytes).map_err(|e| e.file(&path))
+    }
+
+    /// The source as the map has it: its file, or what refinement made of it; `moved` says where the file is now, if not where
+    /// the report has it.
     ///
-    /// Fails if the file is gone or has other numbers of vertices or faces than the one that was mapped.
-    pub fn read_source(&self) -> Result<MeshFile> {
+    /// Fails if the file is gone or has other numbers of vertices or faces than the one that was mapped; one that was moved
+    /// must be that one by its checksum.
+    pub fn read_source(&self, moved: Option<&Path>) -> Result<MeshFile> {
+        let moved = moved.map(|file| read_mapped(file, self.read_charts()?.meshes[0].fingerprint, "--source"));
+        let moved = moved.transpose()?;
         let refined = self.dir.join(REFINED_SOURCE);
         if refined.is_file() {
             return read_mesh(&refined);
         }
+        moved.map_or_else(|| self.read_source_in_place(), Ok)
+    }
+
+    fn read_source_in_place(&self) -> Result<MeshFile> {
         let Mapped { file, vertices, faces } = &self.report.source;
         if !file.is_file() {
             return Err(Error::input("the source of the map is not there any more")
                 .file(file)
                 .at(format_args!("named in {}", self.dir.join(REPORT_FILE).display()))
-                .remedy("put it back, call from the folder in which the map was made, or map again"));
+                .remedy("say where it is with --source"));
         }
         let mesh = read_mesh(file)?;
         let counts = (mesh.positions.len(), mesh.triangle_count());
@@ -104,6 +120,23 @@ impl MapFolder {
                 .remedy(format!("all maps must come from {}, refined alike: map again", source.path.display()))),
         }
     }
+}
+
+/// Reads a mesh, which must be the one that was mapped, by its checksum; `flag` names another one.
+///
+/// # Errors
+/// Input, if the file is not there, is no sound mesh, or not that one.
+pub fn read_mapped(file: &Path, checksum: u32, flag: &str) -> Result<MeshFile> {
+    if !file.is_file() {
+        let what = "the mesh that was mapped is not there";
+        return Err(Error::input(what).file(file).remedy(format!("say where it is with {flag}")));
+    }
+    let mesh = read_mesh(file)?;
+    if fingerprint(&mesh) != checksum {
+        let what = "the mesh is not the one that was mapped";
+        return Err(Error::input(what).file(file).remedy(format!("map it again, or name the other with {flag}")));
+    }
+    Ok(mesh)
 }
 
 /// The first difference between a mesh and the one whose vertices and faces it should have.

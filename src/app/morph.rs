@@ -22,6 +22,8 @@ pub struct MorphJob {
     pub frames: Option<usize>,
     /// A PNG or JPEG file as colour texture; by default the first one of the source's materials.
     pub texture: Option<PathBuf>,
+    /// Where the source is now, if not where it was mapped.
+    pub source: Option<PathBuf>,
 }
 
 /// What was made.
@@ -48,7 +50,7 @@ pub struct MorphResult {
 /// Makes the files. All input is read and checked before any is written; the GLB file comes last, and each file appears
 /// complete or not at all.
 pub fn morph(job: &MorphJob) -> Result<MorphResult> {
-    let (mesh, targets) = read_shapes(&job.folders)?;
+    let (mesh, targets) = read_shapes(job)?;
     let (texture, warnings) = texture::choose(job.texture.as_deref(), &mesh)?;
     let name = stem(&job.out);
     let image = texture.as_ref().map(|t| &t.image);
@@ -73,10 +75,10 @@ pub fn morph(job: &MorphJob) -> Result<MorphResult> {
 }
 
 /// The source of the first map, and its shape on every target.
-fn read_shapes(folders: &[PathBuf]) -> Result<(MeshFile, Vec<MorphTarget>)> {
-    let maps = folders.iter().map(|dir| MapFolder::open(dir)).collect::<Result<Vec<_>>>()?;
+fn read_shapes(job: &MorphJob) -> Result<(MeshFile, Vec<MorphTarget>)> {
+    let maps = job.folders.iter().map(|dir| MapFolder::open(dir)).collect::<Result<Vec<_>>>()?;
     let first = maps.first().ok_or_else(|| Error::usage("no maps").remedy("name a folder that `homeo map` wrote"))?;
-    let mesh = first.read_source()?;
+    let mesh = first.read_source(job.source.as_deref())?;
     let names = unique(maps.iter().map(MapFolder::target_name).collect());
     let target = |(map, name): (&MapFolder, String)| {
         let positions = map.read_source_on_target(&mesh)?.positions;

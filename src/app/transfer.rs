@@ -99,7 +99,8 @@ pub fn carry(
     let carrier = Carrier { transport, source: &source, destination, textures, frames };
     let mut report = TransferReport::default();
     for tile in if every_tile { destination.tiles() } else { vec![[0, 0]] } {
-        let canvas = Canvas::new(size, size, &destination.seen_from(tile));
+        let seen = destination.seen_from(tile);
+        let canvas = Canvas::new(size, size, &seen);
         let mut pixels = Vec::with_capacity(size * size);
         canvas.bands(compute, options.padding, |band| {
             let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| carrier.shown(&canvas, t)).collect();

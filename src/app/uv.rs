@@ -2,6 +2,7 @@
 
 use crate::mesh::io::MeshFile;
 use glam::DVec2;
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 
 /// A tile of texture space: the unit square at these whole coordinates. Tile (u, v) has the UDIM number
@@ -48,7 +49,7 @@ impl UvTriangles {
     /// The corners as seen from a tile, so that it is the unit square.
     pub fn seen_from(&self, [u, v]: Tile) -> Vec<[DVec2; 3]> {
         let origin = DVec2::new(f64::from(u), f64::from(v));
-        self.corners.iter().map(|t| t.map(|p| p - origin)).collect()
+        self.corners.par_iter().map(|t| t.map(|p| p - origin)).collect()
     }
 
     /// Triangles that reach beyond the unit square.

@@ -192,7 +192,7 @@ pub struct BakeArgs {
     pub mesh: Option<PathBuf>,
     /// A geometry image of a finished map to be read back as a mesh: source_position.exr, target_position.exr or
     /// geometry.exr
-    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["size", "map", "padding"])]
+    #[arg(long, value_name = "IMAGE", conflicts_with_all = ["size", "map", "padding", "compression"])]
     pub rebuild: Option<PathBuf>,
     /// With --rebuild of geometry.exr: which mesh; default: source
     #[arg(long, value_name = "source|target")]
@@ -210,6 +210,17 @@ pub struct BakeArgs {
     /// Texels to fill around what triangles cover: a number or `infinite`
     #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
     pub padding: Padding,
+    /// How the EXR files are compressed; none is the fastest to write
+    #[arg(long, default_value = "zip", value_name = "none|rle|zip|piz")]
+    pub compression: CompressionChoice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum CompressionChoice {
+    None,
+    Rle,
+    Zip,
+    Piz,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -314,6 +325,9 @@ pub struct MorphArgs {
     /// A PNG or JPEG file to embed as colour texture; default: the one that the source's materials name
     #[arg(long, value_name = "IMAGE")]
     pub texture: Option<PathBuf>,
+    /// Where the source is now, if not where it was mapped
+    #[arg(long, value_name = "FILE")]
+    pub source: Option<PathBuf>,
 }
 
 /// The largest side of a geometry-image tile: 2^12 + 1, a gigabyte and a half for a single tile's three channels with

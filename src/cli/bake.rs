@@ -1,12 +1,13 @@
 //! `homeo bake`: maps of a mesh in its own texture coordinates.
 
-use super::args::{BakeArgs, Global, MapChoice};
+use super::args::{BakeArgs, CompressionChoice, Global, MapChoice};
 use super::console::Console;
 use crate::app::attributes::BakeMap;
 use crate::app::bake::{BakeOptions, BakeReport, Oddity, bake};
 use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
 use crate::mesh::io::read_mesh;
+use crate::stage::exr::Compression;
 use std::process::ExitCode;
 
 /// Runs the command.
@@ -21,11 +22,17 @@ pub fn run(args: &BakeArgs, global: &Global, console: &Console) -> Result<ExitCo
         MapChoice::Curvature => BakeMap::Curvature,
         MapChoice::Distortion => BakeMap::Distortion,
     };
+    let compression = match args.compression {
+        CompressionChoice::None => Compression::None,
+        CompressionChoice::Rle => Compression::Rle,
+        CompressionChoice::Zip => Compression::Zip,
+        CompressionChoice::Piz => Compression::Piz,
+    };
     let mesh = args.mesh.as_deref().ok_or_else(|| Error::bug("a bake without a mesh"))?;
     let mesh = read_mesh(mesh)?;
     let Ok(choice) = global.device.parse::<DeviceChoice>();
     let compute = Device::open(&choice)?.compute;
-    let options = BakeOptions { map, size: args.size, padding: args.padding };
+    let options = BakeOptions { map, size: args.size, padding: args.padding, compression };
     let report = bake(&compute, &mesh, &args.out, &options)?;
     warnings(&report).iter().for_each(|w| console.warn(w));
     console.result(&report, || {

@@ -17,6 +17,7 @@ pub fn run(args: &MorphArgs, console: &Console) -> Result<ExitCode> {
         out: args.out.clone(),
         frames: args.frames.map(|n| n as usize),
         texture: args.texture.clone(),
+        source: args.source.clone(),
     };
     let result = morph(&job)?;
     for warning in &result.warnings {

@@ -17,6 +17,7 @@ pub mod rings;
 pub mod stretch;
 pub mod sweep;
 pub mod sweep_batch;
+mod texel_rows;
 pub mod texels;
 pub mod vertex_stretch;
 
@@ -29,7 +30,7 @@ pub use rings::{Lists, Rings};
 pub use stretch::{Stretch, energy, stretch};
 pub use sweep::Sight;
 pub use sweep_batch::{Piece, sweep_all};
-pub use texels::{FlatTriangle, NO_TRIANGLE, Texel, texels};
+pub use texels::{FlatTriangle, NO_TRIANGLE, Texel, texel_values, texels};
 
 /// A point in four lanes: `x, y, z` and one unused; in the plane `z = 0`.
 pub type Lanes = [f32; 4];

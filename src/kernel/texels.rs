@@ -10,7 +10,14 @@ use bytemuck::{Pod, Zeroable};
 use crate::error::{Error, Result};
 use crate::gpu::{Access, Compute, GpuDevice, Kernel};
 
+use super::resample::{Query, resample};
 use super::rings::Lists;
+use super::texel_rows::Edges;
+use super::{GRAIN, Lanes, check_len};
+use glam::Vec4;
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// `kernels/texels.wgsl`.
 pub const KERNEL: Kernel = Kernel {
@@ -86,13 +93,72 @@ impl Texel {
 ///
 /// Fails on a device error, or if the window has more texels than 32 bits can number.
 pub fn texels(compute: &Compute, width: u32, height: u32, triangles: &[FlatTriangle]) -> Result<Vec<Texel>> {
-    if width.checked_mul(height).is_none() {
-        return Err(Error::bug(format!("a window of {width} x {height} texels is too large")));
+    let count = width.checked_mul(height);
+    let count = count.ok_or_else(|| Error::bug(format!("a window of {width} x {height} texels is too large")))?;
+    let mut all = vec![Texel::EMPTY; count as usize];
+    let numbers: Vec<u32> = (0u32..).take(triangles.len()).collect();
+    draw(compute, &mut all.chunks_mut(width.max(1) as usize).collect::<Vec<_>>(), triangles, &numbers)?;
+    Ok(all)
+}
+
+/// The same into the rows of a window, which are equally long; whatever was in them is gone. Texels call the triangles by
+/// `numbers`.
+///
+/// Fails on a device error, or without a number for every triangle.
+pub fn draw(compute: &Compute, lines: &mut [&mut [Texel]], triangles: &[FlatTriangle], numbers: &[u32]) -> Result<()> {
+    check_len("numbers of triangles", numbers.len(), triangles.len())?;
+    let Compute::Gpu(gpu) = compute else {
+        reference(lines, triangles, numbers);
+        return Ok(());
+    };
+    let width = lines.first().map_or(0, |line| line.len());
+    let all = on_device(gpu, width as u32, lines.len() as u32, triangles)?;
+    let named = |texel: &Texel| match texel.triangle {
+        NO_TRIANGLE => Texel::EMPTY,
+        t => Texel { triangle: numbers[t as usize], ..*texel },
+    };
+    let texels = lines.iter_mut().flat_map(|line| line.iter_mut());
+    texels.zip(&all).for_each(|(texel, drawn)| *texel = named(drawn));
+    Ok(())
+}
+
+/// What texels show of values at the corners of triangles, three for every triangle; zero for texels that show none. `shown`
+/// holds nothing else then.
+///
+/// Fails when a texel shows a triangle that has no values, or on a device error.
+pub fn texel_values(compute: &Compute, texels: &[Texel], values: &[[Lanes; 3]], shown: &mut Vec<Lanes>) -> Result<()> {
+    if let Compute::Gpu(_) = compute {
+        let queries: Vec<Query> = texels.par_iter().map(query).collect();
+        *shown = resample(compute, &queries, values.as_flattened())?;
+        return Ok(());
     }
-    match compute {
-        Compute::Cpu => Ok(reference(width, height, triangles)),
-        Compute::Gpu(gpu) => on_device(gpu, width, height, triangles),
-    }
+    let missing = AtomicBool::new(false);
+    let value = |texel: &Texel| match (texel.triangle, values.get(texel.triangle as usize)) {
+        (_, Some(corners)) => interpolate(corners, texel.weights()),
+        (NO_TRIANGLE, None) => [0.0; 4],
+        (_, None) => {
+            missing.store(true, Ordering::Relaxed);
+            [0.0; 4]
+        }
+    };
+    texels.par_iter().with_min_len(GRAIN).map(value).collect_into_vec(shown);
+    if missing.into_inner() { Err(Error::bug("a texel of a triangle without values")) } else { Ok(()) }
+}
+
+/// A texel as a question to [`resample()`].
+fn query(texel: &Texel) -> Query {
+    let (first, [w0, w1, w2]) = match texel.triangle {
+        NO_TRIANGLE => (0, [0.0; 3]),
+        t => (3 * t, texel.weights()),
+    };
+    Query { i0: first, i1: first + 1, i2: first + 2, w0, w1, w2 }
+}
+
+/// What [`resample()`] answers to it.
+#[inline]
+fn interpolate(corners: &[Lanes; 3], [w0, w1, w2]: [f32; 3]) -> Lanes {
+    let [a, b, c] = corners.map(Vec4::from_array);
+    (a * w0 + b * w1 + c * w2).to_array()
 }
 
 fn on_device(gpu: &GpuDevice, width: u32, height: u32, triangles: &[FlatTriangle]) -> Result<Vec<Texel>> {
@@ -126,72 +192,39 @@ fn candidates(width: u32, height: u32, triangles: &[FlatTriangle]) -> Lists {
 
 /// The columns and rows of texels whose centres a triangle's bounding box holds.
 struct Box2 {
-    x: std::ops::Range<u32>,
-    y: std::ops::Range<u32>,
+    x: Range<u32>,
+    y: Range<u32>,
 }
 
 fn covered(width: u32, height: u32, t: &FlatTriangle) -> Option<Box2> {
     let span = |a: f32, b: f32, c: f32, size: u32| {
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         // A float that is negative or too large is clamped by the cast.
-        let (first, end) = ((low - 0.5).ceil() as u32, ((high - 0.5).floor() + 1.0) as u32);
+        let (first, last) = ((low - 0.5), (high - 0.5));
+        // Up to the next whole number, and down to one: the functions for it are calls on older processors.
+        let whole = first as u32;
+        let first = whole.saturating_add(u32::from((whole as f32) < first));
+        let end = if last >= 0.0 { (last as u32).saturating_add(1) } else { 0 };
         first..end.min(size)
     };
     let (x, y) = (span(t.ax, t.bx, t.cx, width), span(t.ay, t.by, t.cy, height));
     (!x.is_empty() && !y.is_empty()).then_some(Box2 { x, y })
 }
 
-/// The CPU twin: triangles one after the other.
-pub fn reference(width: u32, height: u32, triangles: &[FlatTriangle]) -> Vec<Texel> {
-    let mut texels = vec![Texel::EMPTY; (width * height) as usize];
-    for (t, triangle) in (0u32..).zip(triangles) {
+/// The CPU twin: triangles one after the other, and of every row only the columns that lie inside.
+fn reference(lines: &mut [&mut [Texel]], triangles: &[FlatTriangle], numbers: &[u32]) {
+    let (width, height) = (lines.first().map_or(0, |line| line.len() as u32), lines.len() as u32);
+    lines.iter_mut().for_each(|line| line.fill(Texel::EMPTY));
+    for (triangle, &t) in triangles.iter().zip(numbers) {
         let Some(Box2 { x, y }) = covered(width, height, triangle) else { continue };
-        let FlatTriangle { ax, ay, bx, by, cx, cy } = *triangle;
-        let (ab, bc, ca) =
-            (Edge::new([ax, ay], [bx, by]), Edge::new([bx, by], [cx, cy]), Edge::new([cx, cy], [ax, ay]));
+        let edges = Edges::of(triangle);
         for row in y {
-            let v = row as f32 + 0.5;
-            let line = &mut texels[(row * width) as usize..][..width as usize];
-            for column in x.clone() {
-                let u = column as f32 + 0.5;
-                let (at_a, at_b, at_c) = (bc.beside(u, v), ca.beside(u, v), ab.beside(u, v));
-                let sum = at_a + at_b + at_c;
-                if bc.holds(at_a) && ca.holds(at_b) && ab.holds(at_c) && sum > 0.0 {
-                    let texel = &mut line[column as usize];
-                    if texel.covers == 0 {
-                        *texel = Texel { triangle: t, covers: 0, w1: at_b / sum, w2: at_c / sum };
-                    }
-                    texel.covers += 1;
-                }
+            let edges = edges.along(row);
+            let inside = edges.inside(x.clone());
+            if !inside.is_empty() {
+                let line = &mut lines[row as usize][inside.start as usize..inside.end as usize];
+                edges.cover(line, inside.start, t);
             }
         }
-    }
-    texels
-}
-
-/// An edge, told from its lower end.
-struct Edge {
-    x: f32,
-    y: f32,
-    dx: f32,
-    dy: f32,
-    ascends: bool,
-}
-
-impl Edge {
-    fn new(p: [f32; 2], q: [f32; 2]) -> Edge {
-        let ascends = p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]);
-        let ([x, y], [to_x, to_y]) = if ascends { (p, q) } else { (q, p) };
-        Edge { x, y, dx: to_x - x, dy: to_y - y, ascends }
-    }
-
-    /// Twice the area that a point spans with the edge, positive at its left.
-    fn beside(&self, u: f32, v: f32) -> f32 {
-        let area = self.dx * (v - self.y) - self.dy * (u - self.x);
-        if self.ascends { area } else { -area }
-    }
-
-    fn holds(&self, area: f32) -> bool {
-        area > 0.0 || (area == 0.0 && self.ascends)
     }
 }

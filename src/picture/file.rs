@@ -7,8 +7,12 @@ use super::exr_file::read_exr;
 use super::srgb;
 use crate::error::{Error, Result};
 use image::{ColorType, DynamicImage, ImageFormat};
+use rayon::prelude::*;
 use std::io::{Seek, Write};
 use std::path::Path;
+
+/// Pixels that a thread encodes at a time.
+const GRAIN: usize = 1 << 14;
 
 /// How many bits a value has in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -123,14 +127,17 @@ impl Picture {
     }
 
     /// The first channels of every pixel, alpha last.
-    fn pick<T>(&self, channels: usize, value: impl Fn(f32, bool) -> T) -> Vec<T> {
+    fn pick<T: Copy + Send + Sync>(&self, channels: usize, value: impl Fn(f32, bool) -> T + Sync) -> Vec<T> {
         let lanes: &[usize] = match channels {
             1 => &[0],
             2 => &[0, 3],
             3 => &[0, 1, 2],
             _ => &[0, 1, 2, 3],
         };
-        self.pixels.iter().flat_map(|pixel| lanes.iter().map(|&k| value(pixel[k], k == 3))).collect()
+        let values = |pixels: &[[f32; 4]]| -> Vec<T> {
+            pixels.iter().flat_map(|pixel| lanes.iter().map(|&k| value(pixel[k], k == 3))).collect()
+        };
+        self.pixels.par_chunks(GRAIN).map(values).collect::<Vec<_>>().concat()
     }
 }
 

@@ -5,15 +5,16 @@ use crate::gpu::Compute;
 use crate::kernel::{self, Lanes, Lists, vertex_stretch::vertex_stretch};
 use crate::map::atlas::{Atlas, BaseSample};
 use crate::map::embedding::EmbeddedMesh;
+use crate::map::file_order::Onto;
 use crate::map::product::GeometryImages;
 use crate::map::surface_map::{Chart, SurfaceMap};
 use crate::map::tile_table::TileTable;
-use crate::mesh::{FaceId, IdVec, TriMesh, VertexId};
+use crate::mesh::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId};
 use crate::path::base_complex::BaseComplex;
 use crate::stage::bake::{BakedImage, Query, Sampled, bake, encode_layered};
-use crate::stage::check::Checked;
+use crate::stage::check::{Checked, LoadedMesh};
 use crate::stage::compose::{Composed, base_in_file_terms};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// The images with `size` samples along a tile's side, each in a file of its own unless `layered`; none if `size` is 0.
@@ -39,8 +40,9 @@ pub fn geometry_images(
         let query = |&([i0, i1, i2], [w0, w1, w2]): &Query| kernel::Query { i0, i1, i2, w0, w1, w2 };
         kernel::resample(compute, &queries.iter().map(query).collect::<Vec<_>>(), values)
     };
-    let source = Sampled { mesh: meshes[0], points: &on_source };
-    let target = Sampled { mesh: meshes[1], points: &on_target };
+    let (source_uv, target_uv) = (sample_uv(&checked.source, &on_source), sample_uv(&checked.target, &on_target));
+    let source = Sampled { mesh: meshes[0], points: &on_source, uv: source_uv.as_deref() };
+    let target = Sampled { mesh: meshes[1], points: &on_target, uv: target_uv.as_deref() };
     let table = TileTable::new(&atlas, &base_in_file_terms(checked, base.clone()));
     let images = bake(base, &atlas, source, target, &stretch, &resample)?;
     let file = |image: &BakedImage| Ok((format!("{}.exr", image.name), image.encode(&table)?));
@@ -65,6 +67,29 @@ fn sample_points(
         point.on_face(mesh).ok_or_else(|| Error::bug(format!("a sample lies on no face, {point:?}")))
     };
     samples.par_iter().map(place).collect()
+}
+
+/// The texture coordinates at points of a mesh's canonical order; none if it has none, zero in triangles without.
+fn sample_uv(
+    LoadedMesh { file, mesh, omitted, canonical, .. }: &LoadedMesh,
+    points: &[(FaceId, [f64; 3])],
+) -> Option<Vec<[f32; 2]>> {
+    if file.uv.values.is_empty() {
+        return None;
+    }
+    let triangles = file.triangles();
+    let corners: Vec<[usize; 3]> = file.triangle_corners().collect();
+    let onto = Onto { mesh, triangles: &triangles, omitted };
+    let uv = |&(f, b): &(FaceId, [f64; 3])| {
+        let SurfacePoint::Face(there, b) = canonical.point_there(SurfacePoint::Face(f, b)) else {
+            unreachable!("a point in a face is one in the other order")
+        };
+        let (number, b) = onto.to_file_order(there, b);
+        let weighted = corners[number.index()].into_iter().zip(b);
+        let uv: Option<DVec2> = weighted.map(|(c, b)| file.uv.at(c).map(|uv| uv * b)).sum();
+        uv.unwrap_or_default().as_vec2().to_array()
+    };
+    Some(points.par_iter().map(uv).collect())
 }
 
 /// The L2 stretch of the map at every source vertex, after the scale that makes both areas equal.

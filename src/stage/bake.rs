@@ -1,4 +1,5 @@
-//! Bakes the geometry images of a finished map: position and normal of both meshes, stretch and mask over one atlas.
+//! Bakes the geometry images of a finished map: position, normal and texture coordinates of both meshes, stretch and mask
+//! over one atlas.
 
 use super::exr::{FloatImage, Plane, encode};
 use crate::error::{Error, Result};
@@ -29,12 +30,15 @@ pub struct Sampled<'a> {
     ///
     /// Equal samples must have equal points, down to the choice of the face: then images agree on tile borders.
     pub points: &'a [(FaceId, [f64; 3])],
+    /// The texture coordinates there, v up: those of the sample's face, where a seam runs; none for a mesh without any.
+    pub uv: Option<&'a [[f32; 2]]>,
 }
 
 /// One geometry image; `name` is its file name without extension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakedImage {
-    /// What the image holds: `source_position`, `source_normal`, `target_position`, `target_normal`, `stretch`, `mask`.
+    /// What the image holds: `source_position`, `source_normal`, `target_position`, `target_normal`, `stretch`, `mask`,
+    /// `source_uv`, `target_uv`.
     pub name: &'static str,
     /// The unit of its values, in words.
     pub unit: &'static str,
@@ -69,16 +73,20 @@ impl BakedImage {
         self.name.replace('_', ".")
     }
 
-    /// The image's channels in a layered file: `X`, `Y`, `Z` of its layer, or `Y` alone.
+    /// The image's channels in a layered file: `X`, `Y`, `Z` of its layer, `Y` alone, or `U` and `V`.
     fn planes(&self) -> impl Iterator<Item = Plane> {
         let layer = self.layer();
-        self.image.planes.iter().map(move |plane| {
-            let channel = match plane.name.as_str() {
-                "R" => "X",
-                "B" => "Z",
-                _ => "Y",
+        let is_uv = layer.ends_with(".uv");
+        self.image.planes.iter().filter_map(move |plane| {
+            let channel = match (plane.name.as_str(), is_uv) {
+                ("R", false) => "X",
+                ("B", false) => "Z",
+                (_, false) => "Y",
+                ("R", true) => "U",
+                ("G", true) => "V",
+                (_, true) => return None,
             };
-            Plane { name: format!("{layer}.{channel}"), values: plane.values.clone() }
+            Some(Plane { name: format!("{layer}.{channel}"), values: plane.values.clone() })
         })
     }
 }
@@ -108,13 +116,14 @@ fn metadata(image: &str, units: String, table: &TileTable) -> Result<String> {
     serde_json::to_string(&metadata).map_err(|error| Error::bug(error.to_string()))
 }
 
-/// Bakes six images over `atlas`: both positions, both normals, the map's stretch on the source, and the mask.
+/// Bakes the images over `atlas`: both positions, both normals, the map's stretch on the source, the mask, and the texture
+/// coordinates of meshes that have some.
 ///
 /// Pixels outside the mask take the value of [`Atlas::nearest_inside`]; the mask itself is 1 inside and 0 outside.
 /// `stretch` is the L2 stretch of the map at every source vertex (1 for an isometry), interpolated like a position.
 ///
 /// # Errors
-/// Bug, if the numbers of points or stretches do not fit the atlas and the source; whatever `resample` reports.
+/// Bug, if the numbers of points, texture coordinates or stretches do not fit the atlas and the source; whatever `resample` reports.
 pub fn bake(
     base: &BaseComplex,
     atlas: &Atlas,
@@ -132,14 +141,21 @@ pub fn bake(
     let on_target = canvas.sample(target, &none, resample)?;
     let mesh_unit = "length unit of the mesh file";
     let image = |name, unit, image| BakedImage { name, unit, image };
-    Ok(vec![
+    let mut images = vec![
         image("source_position", mesh_unit, canvas.vectors(&on_source.position)),
         image("source_normal", "unit vector", canvas.vectors(&on_source.normal)),
         image("target_position", mesh_unit, canvas.vectors(&on_target.position)),
         image("target_normal", "unit vector", canvas.vectors(&on_target.normal)),
         image("stretch", "ratio of lengths", canvas.scalars(&on_source.scalar)),
         image("mask", "1 inside, 0 outside", canvas.mask()),
-    ])
+    ];
+    for (name, side) in [("source_uv", source), ("target_uv", target)] {
+        let Some(uv) = side.uv else { continue };
+        canvas.check_samples(uv.len())?;
+        let uv: Vec<[f32; 3]> = uv.iter().map(|&[u, v]| [u, v, 0.0]).collect();
+        images.push(image(name, "texture coordinate, v up", canvas.vectors(&uv)));
+    }
+    Ok(images)
 }
 
 /// What is sampled on one mesh, per sample of the atlas.
@@ -181,9 +197,7 @@ impl Canvas {
 
     /// Samples positions, normals and one scalar on a mesh.
     fn sample(&self, on: Sampled, scalar: &IdVec<VertexId, f64>, resample: &Resample) -> Result<Samples> {
-        if on.points.len() != self.samples {
-            return Err(Error::bug(format!("{} points for {} samples", on.points.len(), self.samples)));
-        }
+        self.check_samples(on.points.len())?;
         let queries: Vec<Query> = on.points.iter().map(|&(f, b)| (on.mesh.face(f).map(|v| v.0), single(b))).collect();
         let positions = on.mesh.positions.iter_ids().map(|(v, p)| attribute(*p, scalar[v]));
         let values = answers(resample, &positions.collect::<Vec<_>>(), &queries)?;
@@ -194,6 +208,13 @@ impl Canvas {
             scalar: values.iter().map(|value| value[3]).collect(),
             normal: normals.into_iter().map(normalised).collect(),
         })
+    }
+
+    fn check_samples(&self, points: usize) -> Result<()> {
+        if points == self.samples {
+            return Ok(());
+        }
+        Err(Error::bug(format!("{points} points for {} samples", self.samples)))
     }
 
     fn vectors(&self, samples: &[[f32; 3]]) -> FloatImage {

@@ -1,4 +1,4 @@
-//! Flat 32-bit float images as OpenEXR files: ZIP scanlines, row 0 at the top, one custom attribute with JSON text.
+//! Flat 32-bit float images as OpenEXR files: ZIP scanlines if nothing else is asked for, row 0 at the top, one custom attribute with JSON text.
 //!
 //! The bytes depend on the image and the text alone. Blocks of scanlines are compressed in parallel, a bounded number
 //! at a time, in the current rayon pool (the file library's own parallel writer would start threads of its own), and
@@ -12,8 +12,8 @@ use exr::block::{BlockIndex, UncompressedBlock, enumerate_ordered_header_block_i
 use exr::meta::header::Header;
 use exr::meta::{BlockDescription, MetaData};
 use exr::prelude::{
-    AttributeValue, ChannelDescription, Compression, FlatSamples, LayerAttributes, LineOrder, ReadChannels, ReadLayers,
-    SampleType, SmallVec, Text,
+    AttributeValue, ChannelDescription, FlatSamples, LayerAttributes, LineOrder, ReadChannels, ReadLayers, SampleType,
+    SmallVec, Text,
 };
 use rayon::prelude::*;
 use std::io::{Cursor, Read, Seek, SeekFrom, Write};
@@ -23,15 +23,16 @@ use std::vec::IntoIter;
 /// The name of the custom attribute.
 const ATTRIBUTE: &str = "homeo";
 
-/// Blocks compressed at once, 16 scanlines each: enough to keep many cores busy, few enough to bound the memory.
+/// Blocks compressed at once, of up to 32 scanlines: enough to keep many cores busy, few enough to bound the memory.
 const BLOCKS_IN_FLIGHT: usize = 64;
 
 /// How many times larger than its file an image can be; more is not read, so that a small damaged file cannot claim all
 /// memory. Deflate, the densest compression in use, comes to 1032.
 const MAX_RATIO: u64 = 1 << 12;
 
-/// Rows of a block: bands of an image that is written piece by piece consist of whole blocks.
-pub const BLOCK_ROWS: usize = 16;
+/// Rows of the largest blocks, those of PIZ; ZIP has 16, the others have one. Bands of an image that is written piece by piece
+/// consist of whole blocks.
+pub const BLOCK_ROWS: usize = 32;
 
 /// One channel of an image.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,28 +100,53 @@ pub fn write(image: &FloatImage, json: &str, out: impl Write + Seek) -> Result<(
     image.check()?;
     let names: Vec<&str> = image.planes.iter().map(|plane| plane.name.as_str()).collect();
     let planes: Vec<&[f32]> = image.planes.iter().map(|plane| plane.values.as_slice()).collect();
-    write_bands([image.width, image.height], &names, json, out, |band| band(&planes))
+    let format = Format { size: [image.width, image.height], names: &names, compression: Compression::Zip };
+    write_bands(format, json, out, |band| band(&planes))
 }
 
 /// Takes the next rows of an image, for every channel in the order of the names.
 pub type BandSink<'a> = dyn FnMut(&[&[f32]]) -> Result<()> + 'a;
 
-/// Writes an image of `[width, height]` whose rows `make` hands over in bands from the top; every band but the last has a
-/// multiple of [`BLOCK_ROWS`] rows. Channel names come in alphabetic order.
+/// How the values of a file are compressed; none of them loses any.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Compression {
+    /// Not at all: large and fast.
+    None,
+    /// Runs of equal bytes.
+    Rle,
+    /// Deflate.
+    #[default]
+    Zip,
+    /// Wavelets, good for noise.
+    Piz,
+}
+
+/// What the header of a file says.
+#[derive(Clone, Copy, Debug)]
+pub struct Format<'a> {
+    /// Width and height.
+    pub size: [usize; 2],
+    /// Names of the channels, in alphabetic order.
+    pub names: &'a [&'a str],
+    /// How values are compressed.
+    pub compression: Compression,
+}
+
+/// Writes an image whose rows `make` hands over in bands from the top; every band but the last has a multiple of
+/// [`BLOCK_ROWS`] rows.
 ///
 /// # Errors
 /// Those of `make`; input, if `out` fails; bug, if the bands do not make up the image or the text is not ASCII.
 pub fn write_bands(
-    size: [usize; 2],
-    names: &[&str],
+    format: Format,
     json: &str,
     out: impl Write + Seek,
     make: impl FnOnce(&mut BandSink) -> Result<()>,
 ) -> Result<()> {
-    let headers = SmallVec::from_iter([header(size, names, json)?]);
+    let headers = SmallVec::from_iter([header(format, json)?]);
     let mut failure = None;
     let written = exr::block::write(out, headers, true, |meta, writer| {
-        let mut blocks = Blocks::new(size, &meta, writer);
+        let mut blocks = Blocks::new(format.size, &meta, writer);
         let made = make(&mut |planes| blocks.push(planes));
         let made = made.and_then(|()| blocks.finish());
         made.map_err(|error| {
@@ -187,7 +213,13 @@ fn unreadable(error: exr::error::Error) -> Error {
     Error::input(error.to_string()).remedy("use a whole OpenEXR file")
 }
 
-fn header([width, height]: [usize; 2], names: &[&str], json: &str) -> Result<Header> {
+fn header(Format { size: [width, height], names, compression }: Format, json: &str) -> Result<Header> {
+    let compression = match compression {
+        Compression::None => exr::prelude::Compression::Uncompressed,
+        Compression::Rle => exr::prelude::Compression::RLE,
+        Compression::Zip => exr::prelude::Compression::ZIP16,
+        Compression::Piz => exr::prelude::Compression::PIZ,
+    };
     if !json.is_ascii() {
         return Err(Error::bug("the text for an image is not ASCII"));
     }
@@ -200,7 +232,7 @@ fn header([width, height]: [usize; 2], names: &[&str], json: &str) -> Result<Hea
     let attribute = (Text::new_or_panic(ATTRIBUTE), AttributeValue::Text(Text::new_or_panic(json))); // both ASCII
     let attributes = LayerAttributes { other: [attribute].into(), ..LayerAttributes::default() };
     Ok(Header::new(Text::new_or_panic(""), (width, height), channels)
-        .with_encoding(Compression::ZIP16, BlockDescription::ScanLines, LineOrder::Increasing)
+        .with_encoding(compression, BlockDescription::ScanLines, LineOrder::Increasing)
         .with_attributes(attributes))
 }
 

@@ -68,6 +68,55 @@ fn the_first_of_overlapping_triangles_owns_and_the_outside_belongs_to_none() {
     }
 }
 
+/// Every texel and every triangle, as `kernels/texels.wgsl` has it.
+fn one_by_one(width: u32, height: u32, triangles: &[FlatTriangle]) -> Vec<Texel> {
+    let precedes = |p: Point, q: Point| p[0] < q[0] || (p[0] == q[0] && p[1] < q[1]);
+    let area = |p: Point, q: Point, x: Point| (q[0] - p[0]) * (x[1] - p[1]) - (q[1] - p[1]) * (x[0] - p[0]);
+    let beside = |p, q, x| if precedes(p, q) { area(p, q, x) } else { -area(q, p, x) };
+    let holds = |area: f32, p, q| area > 0.0 || (area == 0.0 && precedes(p, q));
+    let texel = |i: u32| {
+        let x = [(i % width) as f32 + 0.5, (i / width) as f32 + 0.5];
+        let mut texel = Texel::EMPTY;
+        for (t, f) in (0u32..).zip(triangles) {
+            let (a, b, c) = ([f.ax, f.ay], [f.bx, f.by], [f.cx, f.cy]);
+            let (at_a, at_b, at_c) = (beside(b, c, x), beside(c, a, x), beside(a, b, x));
+            let sum = at_a + at_b + at_c;
+            if holds(at_a, b, c) && holds(at_b, c, a) && holds(at_c, a, b) && sum > 0.0 {
+                if texel.covers == 0 {
+                    texel = Texel { triangle: t, covers: 0, w1: at_b / sum, w2: at_c / sum };
+                }
+                texel.covers += 1;
+            }
+        }
+        texel
+    };
+    (0..width * height).map(texel).collect()
+}
+
+/// Corners on and off the texels' centres, near and far, in a line, and all in one place.
+#[test]
+fn rows_of_texels_are_what_single_texels_are_seed_5() {
+    let mut random = Random(5);
+    for round in 0..3000 {
+        let (width, height) = (1 + random.index(40), 1 + random.index(12));
+        let reach = [1.0, 8.0, 40.0, 3000.0][random.index(4) as usize];
+        let grain = [2.0, 8.0, 1000.0][random.index(3) as usize];
+        let mut number = |size: u32| {
+            let share = random.index(2001) as f32 / 1000.0 - 1.0;
+            ((size as f32 * 0.5 + share * reach) * grain).round() / grain
+        };
+        let mut point = || [number(width), number(height)];
+        let mut triangles = Vec::new();
+        while triangles.len() < 6 {
+            let [a, b, c] = [point(), point(), point()];
+            let middle = [0, 1].map(|k| 0.5 * (a[k] + b[k]) + 1e-5 * c[k]);
+            triangles.extend([flat([a, b, c]), flat([a, c, b]), flat([a, middle, b]), flat([b, b, c])]);
+        }
+        let all = texels(&Compute::Cpu, width, height, &triangles).unwrap();
+        assert_eq!(all, one_by_one(width, height, &triangles), "round {round}");
+    }
+}
+
 #[test]
 fn texels_are_the_same_on_every_device_seed_4() {
     let Some((gpu, exact)) = device() else { return };

@@ -189,6 +189,9 @@ def layers_equal_the_flat_files(finished):
         assert numpy.array_equal(layered.channels[channel], first), channel
     for name, image in flat.items():
         letters = [("Y", "Y")] if name in GREY else [("R", "X"), ("G", "Y"), ("B", "Z")]
+        if name.endswith("_uv"):
+            letters = [("R", "U"), ("G", "V")]
+            assert not image.channels["B"].any(), name
         for letter, axis in letters:
             layer = f"{name.replace('_', '.')}.{axis}"
             assert layered.channels[layer].tobytes() == image.channels[letter].tobytes(), layer

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import baked  # noqa: F401, holds checks
+import carried  # noqa: F401, holds checks
 import images  # noqa: F401, holds checks
 import meshes  # noqa: F401, holds checks
 from checks import run_all
