@@ -12,11 +12,12 @@
 //! between its paths, so nothing folds; rounding is checked exactly. The paper moves the faces along at every swap; where
 //! features pass close by each other that goes through patches without area, which only the end's patches avoid.
 
-use super::network::{Network, lifted};
+use super::network::{Network, lifted, too_fine};
 use super::refined::Refined;
 use super::sheet::{Framed, SIDE};
 use crate::error::{Error, Result};
-use crate::mesh::{FaceId, Id, VertexId};
+use crate::mesh::{FaceId, Id, TriMesh, VertexId};
+use crate::path::cut_mesh::CutMesh;
 use crate::plane::convex::embed_patch;
 use crate::plane::divide::split_dividing_edges;
 use crate::plane::orientation::orientation;
@@ -42,12 +43,13 @@ pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
     let Framed { domain, .. } = framed;
     let mesh = lifted(&domain.positions, &domain.triangles)?;
     let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
-    // Of the border's points the corners are enough for its hull, and fewer points make fewer paths.
-    let corners = rim.iter().copied().step_by(SIDE);
+    // Half of the border's points are enough for its hull, and fewer points make fewer paths.
+    let corners = rim.iter().copied().step_by(SIDE / 2);
     let points: Vec<VertexId> = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
     let mut base = guiding(&points.iter().map(|v| domain.positions[v.index()]).collect::<Vec<_>>())?;
     let mut network = Network::lay(&mesh, &base, &points, &rim)?;
     let mut warped = base.clone();
+    relay(&mut network, &base)?;
     let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
     let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, ..WarpOptions::default() })
         .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
@@ -55,39 +57,8 @@ pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
         base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;
         network.swap(&base, swap)?;
     }
-    for _ in 0..RELAYS {
-        let before = network.added();
-        network.relay(&base)?;
-        if network.added() >= before {
-            break;
-        }
-    }
-    let complex = network.complex(warped.triangles())?;
-    let mut cut = network.into_cut();
-    split_dividing_edges(&mut cut, &mesh);
-    let mut discs = patch_discs(&cut, &complex, &arc_shares(&cut, &complex)?)?;
-    let triangles: Vec<[DVec2; 3]> = warped.triangles().map(|t| t.map(|v| warped.point(v))).collect();
-    let embedded: Vec<bool> = discs
-        .raw
-        .par_iter_mut()
-        .zip(&triangles)
-        .map(|(disc, [a, b, c])| {
-            let points: Vec<_> = disc.vertices.iter().map(|&v| cut.positions[v]).collect();
-            let frame = Frame::with_sides([a.distance(*b), b.distance(*c), c.distance(*a)]);
-            embed_patch(disc, &points, &frame).is_some()
-        })
-        .collect();
-    if embedded.contains(&false) {
-        return Err(too_fine());
-    }
-    let uv = place(&discs.raw, &triangles, cut.conn.vertex_count());
-    let is_upright = |f: FaceId| {
-        let [a, b, c] = cut.conn.face(f).map(|v| uv[v.index()]);
-        orientation(a, b, c) > 0.0
-    };
-    if !cut.conn.faces().all(is_upright) {
-        return Err(too_fine());
-    }
+    relay(&mut network, &base)?;
+    let (cut, uv) = straightened(network, &mesh, &warped)?;
     let mut refined = refined.divided(&cut, &mesh, &uv);
     for (i, f) in (0u32..).zip(&sheet.features) {
         refined.sheet.uv[f.vertex as usize] = warped.point(i);
@@ -98,9 +69,40 @@ pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
     Ok((refined, swaps.len()))
 }
 
-fn too_fine() -> Error {
-    Error::unsolvable("the constraints crowd the mesh more than double precision can hold")
-        .remedy("move constraints apart that nearly coincide, or use a finer mesh there")
+/// The cut mesh and a place for every vertex: paths straight between the base mesh's points, the faces between them
+/// embedded.
+fn straightened(network: Network, mesh: &TriMesh, base: &Triangulation) -> Result<(CutMesh, Vec<DVec2>)> {
+    let complex = network.complex(base.triangles())?;
+    let mut cut = network.into_cut();
+    split_dividing_edges(&mut cut, mesh);
+    let mut discs = patch_discs(&cut, &complex, &arc_shares(&cut, &complex)?)?;
+    let triangles: Vec<[DVec2; 3]> = base.triangles().map(|t| t.map(|v| base.point(v))).collect();
+    let embed = |(disc, [a, b, c]): (&mut PatchDisc, &[DVec2; 3])| {
+        let points: Vec<_> = disc.vertices.iter().map(|&v| cut.positions[v]).collect();
+        let frame = Frame::with_sides([a.distance(*b), b.distance(*c), c.distance(*a)]);
+        embed_patch(disc, &points, &frame).is_some()
+    };
+    if !discs.raw.par_iter_mut().zip(&triangles).map(embed).reduce(|| true, |a, b| a && b) {
+        return Err(too_fine());
+    }
+    let uv = place(&discs.raw, &triangles, cut.conn.vertex_count());
+    let is_upright = |f: FaceId| {
+        let [a, b, c] = cut.conn.face(f).map(|v| uv[v.index()]);
+        orientation(a, b, c) > 0.0
+    };
+    if cut.conn.faces().all(is_upright) { Ok((cut, uv)) } else { Err(too_fine()) }
+}
+
+/// Lays all paths anew as long as that takes out vertices.
+fn relay(network: &mut Network, base: &Triangulation) -> Result<()> {
+    for _ in 0..RELAYS {
+        let before = network.added();
+        network.relay(base)?;
+        if network.added() >= before {
+            break;
+        }
+    }
+    Ok(())
 }
 
 /// The Delaunay triangulation of the features, where they are, and the ring.

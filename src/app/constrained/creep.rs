@@ -13,13 +13,13 @@ use crate::plane::smooth::Smoother;
 use glam::DVec2;
 
 /// Times that features move before the scaffold is made anew.
-const TIMES: usize = 12;
+const TIMES: usize = 40;
 /// Sweeps after each.
-const SWEEPS: usize = 3;
+const SWEEPS: usize = 4;
 /// The longest way of a feature at a time, in units of the image's side.
 const STEP: f64 = 0.02;
 /// A feature goes at most this share of the way to the first triangle of its ring that collapses.
-const SAFE_SHARE: f64 = 0.5;
+const SAFE_SHARE: f64 = 0.4;
 /// A feature as near to its place as this is put there; the kernel's two floats are finer.
 const NEAR: f64 = 1e-9;
 
@@ -29,7 +29,7 @@ pub fn creep(sheet: &mut Sheet) -> Result<()> {
     let Some(Framed { mut domain, shapes, weights }) = sheet.framed(&even) else { return Ok(()) };
     let fans = domain.fans();
     let triangles = domain.triangles.clone();
-    let smoother = Smoother::shaped(&mut domain, &shapes, &weights);
+    let mut smoother = Smoother::shaped(&mut domain, &shapes, &weights);
     let sight = |t: usize| {
         let (rest, metrics) = smoother.seen(t);
         Sight::new(rest, &metrics, smoother.moving().triangle(t))
@@ -51,14 +51,15 @@ pub fn creep(sheet: &mut Sheet) -> Result<()> {
     let mut moved = pieces[0].positions();
     // What does not move is put back exactly.
     let disc = sheet.uv.len();
-    moved[disc..].copy_from_slice(&domain.positions[disc..]);
+    let fixed = (disc..moved.len()).filter(|&v| !smoother.moving().free[v]);
+    fixed.for_each(|v| moved[v] = smoother.moving().positions[v]);
     for f in &sheet.features {
         let p = &mut moved[f.vertex as usize];
         if p.distance(f.place) < NEAR {
             *p = f.place;
         }
     }
-    domain.positions = moved;
+    smoother.adopt(moved);
     adopt(sheet, &domain);
     Ok(())
 }

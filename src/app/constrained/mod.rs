@@ -3,10 +3,12 @@
 //!
 //! ```text
 //! start.rs     the disc laid flat, relaxed, aligned with its features' places
-//! walk.rs      features walk there, the mesh giving way            all there: no vertex is added
-//! base.rs      otherwise a base mesh is warped in their stead      network.rs, route.rs: its edges as paths
-//! refined.rs   vertices that paths added are taken out again
-//! relax.rs     triangles take the shapes they have in space, most of all near features
+//! walk.rs      features walk there, the mesh giving way; creep.rs where the whole cannot follow
+//!              all there: no vertex is added
+//! base.rs      otherwise a base mesh is warped some of the way in their stead, and the walk goes on
+//!              network.rs, ruler.rs, route.rs: its edges as paths; refined.rs, subdivided.rs: the vertices they add
+//! relax.rs     triangles take the shapes they have in space, most of all near features (weight.rs)
+//! job.rs       from files to a folder: disc.rs, seam.rs before, files.rs, preview.rs after
 //! ```
 //!
 //! Input: a disc with features. Output: a place in the plane for every vertex. Invariant, checked exactly at every step: no
@@ -22,6 +24,7 @@ mod preview;
 pub mod refined;
 mod relax;
 mod route;
+mod ruler;
 mod seam;
 pub mod sheet;
 mod start;
@@ -41,20 +44,16 @@ use sheet::Sheet;
 use weight::near_features;
 
 /// Rounds of relaxation between attempts to take Steiner vertices out.
-const ROUNDS: usize = 2;
+const ROUNDS: usize = 3;
 /// Such attempts after every warp.
-const ATTEMPTS: usize = 4;
+const ATTEMPTS: usize = 6;
 /// Rounds of relaxation at the end.
 const LAST_ROUNDS: usize = 8;
 /// A warp stops after so many swaps, for the walk to go on: paths laid anew on a relaxed disc need fewer Steiner vertices
 /// than those that many swaps have wound up.
-const SWAPS: usize = 6;
+const SWAPS: usize = 12;
 /// So many warps stop early; the next one goes through to the end.
 const WARPS: usize = 16;
-
-fn knob(name: &str, or: usize) -> usize {
-    std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(or)
-}
 
 /// What was done to meet the constraints.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -78,38 +77,47 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
     let mut report = ConstrainReport::default();
     let mut refined = Refined::unrefined(sheet);
     for k in 0.. {
-        if walk::walk(&mut refined.sheet, compute)? || k > knob("WARPS", WARPS) {
+        let before = refined.clone();
+        if walk::walk(&mut refined.sheet, compute)? || k > WARPS {
             break;
         }
-        let (warped, swaps) =
-            warp_sheet(&refined, if k < knob("WARPS", WARPS) { knob("SWAPS", SWAPS) } else { usize::MAX })?;
+        let most = if k < WARPS { SWAPS } else { usize::MAX };
+        // Where features have crowded triangles beyond what can be told apart, those before the walk still can be.
+        let (warped, swaps) = warp_sheet(&refined, most).or_else(|_| warp_sheet(&before, most))?;
         refined = warped;
         report.warps += 1;
         report.swaps += swaps;
         report.steiner[0] += refined.steiner.len();
         tidy(&mut refined, compute)?;
-        if std::env::var_os("HOMEO_SWEEP").is_some() {
-            eprintln!("  warp {k}: {swaps} swaps, {} now", refined.steiner.len());
-        }
     }
-    report.e_l2[0] = stretch_of(&refined.sheet);
-    tidy(&mut refined, compute)?;
-    let weight = near_features(&refined.sheet);
-    relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: LAST_ROUNDS })?;
     report.steiner[1] = refined.steiner.len();
+    report.e_l2[0] = stretch_of(&refined.sheet);
+    smooth(&mut refined.sheet, compute)?;
     report.e_l2[1] = stretch_of(&refined.sheet);
     Ok((refined, report))
 }
 
+/// Relaxes with more say for triangles near features; with the same for all if the whole gets worse for it.
+fn smooth(sheet: &mut Sheet, compute: &Compute) -> Result<()> {
+    let before = sheet.clone();
+    relax(sheet, compute, &Relaxation { weight: &near_features(sheet), rounds: LAST_ROUNDS })?;
+    if stretch_of(sheet) > stretch_of(&before) {
+        *sheet = before;
+        let even = vec![1.0; sheet.triangles.len()];
+        relax(sheet, compute, &Relaxation { weight: &even, rounds: LAST_ROUNDS })?;
+    }
+    Ok(())
+}
+
 /// Relaxes a disc that was warped and takes out the Steiner vertices that it can do without then.
 fn tidy(refined: &mut Refined, compute: &Compute) -> Result<()> {
-    for _ in 0..knob("ATTEMPTS", ATTEMPTS) {
+    for _ in 0..ATTEMPTS {
         if refined.steiner.is_empty() {
             break;
         }
         refined.take_out();
         let weight = vec![1.0; refined.sheet.triangles.len()];
-        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: knob("ROUNDS", ROUNDS) })?;
+        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: ROUNDS })?;
     }
     refined.take_out();
     Ok(())

@@ -1,10 +1,12 @@
-//! The base mesh's edges as paths on the disc and its scaffold: laid one after the other, swapped later.
+//! The base mesh's edges as paths on the disc and its scaffold: laid along straight lines, laid anew, swapped.
 //!
 //! Paths never meet but at their ends, and leave them in the cyclic order that the base mesh has: so they cut the mesh
-//! into discs with three corners, one for every base triangle. A new path is the cheapest one between the right sectors of
-//! its ends (WARP 4.2, with sectors in place of geometric regions, which a path that bulges may leave).
+//! into discs with three corners, one for every base triangle. The first paths are straight, which splits every edge they
+//! cross, but leaves no doubt on which side of what they pass. From then on a path is the cheapest one between the right
+//! sectors of its ends in the two discs beside it (WARP 4.2), for which hardly any edge need be split.
 
 use super::route::{Route, Stop, route};
+use super::ruler::{Ahead, straight_on};
 use super::subdivided::{Steiner, Subdivided};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId, face_of};
@@ -14,8 +16,19 @@ use crate::plane::warp::{Swap, Triangulation};
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
+/// A vertex more on a path counts as much as so many mean distances of vertices.
+const HOP: f64 = 2.0;
 /// So many added vertices that no path passes are taken out together, which costs as much as taking out one.
 const IDLE: usize = 24;
+
+/// Paths that need so many times the given vertices wind around each other, and will not stop to.
+const MOST: usize = 8;
+
+/// The error of a disc whose triangles can no longer be told apart.
+pub fn too_fine() -> Error {
+    Error::unsolvable("the constraints crowd the mesh more than it can hold")
+        .remedy("move constraints apart, order them as they lie on the mesh, or use a finer mesh")
+}
 
 /// Paths along the edges of a base mesh.
 pub struct Network<'a> {
@@ -23,6 +36,7 @@ pub struct Network<'a> {
     mesh: &'a TriMesh,
     /// Its triangles.
     faces: Vec<[u32; 3]>,
+    hop: f64,
     /// The same with the paths on it as arcs.
     pub cut: CutMesh,
     /// The arc along an edge of the base mesh, by its ends, the lower first.
@@ -42,7 +56,8 @@ impl<'a> Network<'a> {
     pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
         let cut = CutMesh::new(mesh, points, 0);
         let faces = mesh.faces().iter().map(|t| t.map(|v| v.0)).collect();
-        let mut network = Network { mesh, faces, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
+        let hop = HOP * (mesh.area() / mesh.positions.len() as f64).sqrt();
+        let mut network = Network { mesh, faces, hop, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
         let at = |v: &VertexId| points.iter().position(|p| p == v);
         let corners: Vec<usize> = (0..rim.len()).filter(|&i| at(&rim[i]).is_some()).collect();
         let first = points.len() - corners.len();
@@ -51,12 +66,32 @@ impl<'a> Network<'a> {
             let along: Vec<VertexId> = (i..=end).map(|j| rim[j % rim.len()]).collect();
             network.mark([first + k, first + (k + 1) % corners.len()].map(|p| p as u32), &along)?;
         }
-        for [a, b] in order(base, first) {
-            if !network.arcs.contains_key(&key(a, b)) {
-                network.connect(base, a, b)?;
+        let edges: BTreeSet<[u32; 2]> =
+            base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect();
+        for [a, b] in edges {
+            if !network.arcs.contains_key(&[a, b]) {
+                network.rule(a, b)?;
             }
         }
         Ok(network)
+    }
+
+    /// Lays the path from `a` to `b` along the straight line, through the middle of everything it meets.
+    fn rule(&mut self, a: u32, b: u32) -> Result<()> {
+        let [from, goal] = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
+        let mut vertices = vec![from];
+        loop {
+            let v = vertices[vertices.len() - 1];
+            if v == goal {
+                return self.mark([a, b], &vertices);
+            }
+            let ahead = straight_on(&self.cut, v, goal);
+            let next = match ahead.ok_or_else(too_fine)? {
+                Ahead::Vertex(w) => w,
+                Ahead::Edge(h, t) => self.cut.split_edge(self.mesh, h, t),
+            };
+            vertices.push(next);
+        }
     }
 
     /// Exchanges the path along a swapped edge for one along the new edge; `base` is the mesh after the swap.
@@ -66,7 +101,8 @@ impl<'a> Network<'a> {
         self.cut.unmark(arc, self.ends[arc][0]);
         let [c, d] = swap.new;
         self.connect(base, c, d)?;
-        self.tidy_if(IDLE)
+        self.tidy_if(IDLE)?;
+        if self.added() > MOST * self.mesh.positions.len() { Err(too_fine()) } else { Ok(()) }
     }
 
     /// Lays every path anew between its neighbours, so that it takes the room that they have left since.
@@ -100,15 +136,8 @@ impl<'a> Network<'a> {
         if idle.len() < many {
             return Ok(());
         }
-        let part = |v: usize| self.cut.conn.leaving(VertexId::new(v)).map(|h| self.cut.face_origin[face_of(h)]);
-        let steiner = |v: usize| {
-            let triangle = part(v)?;
-            Some(Steiner {
-                triangle: triangle.0,
-                weights: self.cut.origin[VertexId::new(v)].barycentric_in(self.mesh, triangle)?,
-            })
-        };
-        let steiner: Option<Vec<Steiner>> = (given..self.cut.conn.vertex_count()).map(steiner).collect();
+        let steiner: Option<Vec<Steiner>> =
+            (given..self.cut.conn.vertex_count()).map(|v| self.steiner(VertexId::new(v))).collect();
         let steiner = steiner.ok_or_else(|| Error::bug("an added vertex lies in no triangle"))?;
         let triangles = self.cut.conn.faces().map(|f| self.cut.conn.face(f).map(|v| v.0)).collect();
         let part_of = self.cut.face_origin.iter().map(|f| f.0).collect();
@@ -127,6 +156,13 @@ impl<'a> Network<'a> {
         let number = sub.compact();
         let Subdivided { triangles, part_of, .. } = sub;
         self.rebuild(&triangles, &part_of, &number)
+    }
+
+    /// Where an added vertex lies.
+    fn steiner(&self, v: VertexId) -> Option<Steiner> {
+        let triangle = self.cut.face_origin[face_of(self.cut.conn.leaving(v)?)];
+        let weights = self.cut.origin[v].barycentric_in(self.mesh, triangle)?;
+        Some(Steiner { triangle: triangle.0, weights })
     }
 
     /// The cut mesh with the triangles that are left, the arcs as they were.
@@ -154,8 +190,8 @@ impl<'a> Network<'a> {
         let sectors = [self.sector(base, a, b), self.sector(base, b, a)];
         let vertex = |i: u32| self.cut.landmarks[LandmarkId(i)];
         let ends = [vertex(a), vertex(b)];
-        let found = route(&self.cut, &Route { ends, sectors });
-        let stops = found.ok_or_else(|| Error::bug("a path of the base mesh is shut in").at(format!("{a} to {b}")))?;
+        let found = route(&self.cut, &Route { ends, sectors, hop: self.hop });
+        let stops = found.ok_or_else(too_fine)?;
         let mut vertices = vec![ends[0]];
         for stop in stops {
             vertices.push(match stop {
@@ -224,29 +260,6 @@ impl<'a> Network<'a> {
         self.cut.renumber_arcs(&number);
         self.cut
     }
-}
-
-/// All edges of the base mesh: first a tree of short ones that hangs all points onto the ring, which starts at `first`,
-/// then the others, short ones first. In a disc without loose points a path is determined by the sectors of its ends.
-fn order(base: &Triangulation, first: usize) -> Vec<[u32; 2]> {
-    let mut edges: Vec<[u32; 2]> = Vec::new();
-    let unique: BTreeSet<[u32; 2]> = base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect();
-    edges.extend(unique);
-    let length = |&[a, b]: &[u32; 2]| base.point(a).distance(base.point(b));
-    edges.sort_by(|x, y| length(x).total_cmp(&length(y)));
-    let mut tree: Vec<u32> = (0..base.points().len() as u32).map(|v| v.min(first as u32)).collect();
-    let (mut joining, mut others) = (Vec::new(), Vec::new());
-    for edge in edges {
-        let [root, other] = edge.map(|v| tree[v as usize]);
-        if root == other {
-            others.push(edge);
-        } else {
-            joining.push(edge);
-            tree.iter_mut().filter(|t| **t == other).for_each(|t| *t = root);
-        }
-    }
-    joining.extend(others);
-    joining
 }
 
 /// The mesh in which paths are laid: the disc and its scaffold in the plane, lifted to height zero.

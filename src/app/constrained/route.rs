@@ -21,6 +21,8 @@ pub struct Route {
     /// The half-edges that leave each end into the faces in which the path may leave or arrive; along the first one, and
     /// one behind the last, other paths run.
     pub sectors: [Vec<HalfedgeId>; 2],
+    /// What a place costs besides the way to it, in units of length: a path over few vertices leaves more to others.
+    pub hop: f64,
 }
 
 /// A place between the ends.
@@ -113,7 +115,7 @@ impl Search<'_> {
             return;
         }
         let start = from.map_or(self.cut.positions[self.route.ends[0]], |s| self.position(s));
-        let way = start.distance(self.position(to));
+        let way = start.distance(self.position(to)) + self.route.hop;
         let toll = match to {
             Stop::Vertex(v) if v == self.route.ends[1] => 1.0,
             Stop::Vertex(v) => {
@@ -124,7 +126,7 @@ impl Search<'_> {
                 }
             }
             Stop::Middle([p, q]) => {
-                let whole = self.cut.positions[p].distance(self.cut.positions[q]);
+                let whole = self.cut.positions[p].distance(self.cut.positions[q]) + self.route.hop;
                 return self.note(from, cost + way * CROWDED + whole * SPLIT, to);
             }
         };

@@ -121,6 +121,10 @@ impl<'a> Subdivided<'a> {
         let part = self.part_of[t as usize];
         let corners = self.triangles[t as usize].map(|v| self.weights(if v == s { u } else { v }, part));
         let [Some(a), Some(b), Some(c)] = corners else { return false };
+        // Rounding may give corners on one edge an area.
+        if (0..3).any(|i| [a, b, c].iter().all(|w| w[i] == 0.0)) {
+            return false;
+        }
         let flat = |w: [f64; 3]| DVec2::new(w[1], w[2]);
         orientation(flat(a), flat(b), flat(c)) > 0.0
     }

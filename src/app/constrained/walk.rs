@@ -26,9 +26,9 @@ const CLEARANCE: f64 = 0.6;
 /// How much of what is missing of the clearance each of the two makes up for in a step.
 const SWERVE: f64 = 0.15;
 /// So often features creep at most.
-const CREEPS: usize = 60;
+const CREEPS: usize = 30;
 /// Creeping ends once this often in a row all features together got no nearer by this share.
-const IDLE: (usize, f64) = (4, 0.02);
+const IDLE: (usize, f64) = (3, 0.03);
 
 /// Walks as far as it goes; true if all features are at their places, exactly.
 pub fn walk(sheet: &mut Sheet, compute: &Compute) -> Result<bool> {
@@ -60,9 +60,6 @@ fn creep_on(sheet: &mut Sheet, compute: &Compute, even: &[f64]) -> Result<bool> 
         creep(sheet)?;
         relax(sheet, compute, &Relaxation { weight: even, rounds: 1 })?;
         let now = left(sheet);
-        if std::env::var_os("TRACE").is_some() {
-            eprint!("{now:.3} ");
-        }
         idle = if now < least * (1.0 - IDLE.1) { 0 } else { idle + 1 };
         least = least.min(now);
     }

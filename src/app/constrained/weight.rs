@@ -5,7 +5,7 @@ use crate::solve::nearest::Nearest;
 use std::collections::BinaryHeap;
 
 /// Distances below this share of the greatest count as that: else the triangles at features would be all that counts.
-const LEAST: f64 = 0.1;
+const LEAST: f64 = 0.4;
 
 /// A weight for every triangle, 1 at the features and `LEAST` squared where it is farthest from any; all 1 without
 /// features.
