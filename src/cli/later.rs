@@ -7,9 +7,9 @@ use crate::error::{Error, Result};
 pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
         Command::Texture(_) => "texture",
-        Command::Diffuse(_) => "diffuse",
         Command::Batch(_) => "batch",
         Command::Demo(_)
+        | Command::Diffuse(_)
         | Command::Transfer(_)
         | Command::Bake(_)
         | Command::Map(_)

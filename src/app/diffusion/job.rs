@@ -1,0 +1,215 @@
+//! `homeo diffuse` as a job: files in, a folder out.
+
+use super::picture::Cells;
+use super::report::{ParametrizedMesh, remarks};
+use super::through::regions_through;
+use super::{Correspondence, Diffusion, DiffusionOptions, DiffusionReport, Output};
+use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, segment, split_ends, write};
+use crate::app::attributes::require_uv;
+use crate::app::canvas::Padding;
+use crate::app::finished_map::read_finished_map;
+use crate::app::texture::Textures;
+use crate::app::transfer::{TransferOptions, TransferReport};
+use crate::app::udim::file_of;
+use crate::app::uv::UvTriangles;
+use crate::error::{Error, Result};
+use crate::gpu::Compute;
+use crate::mesh::io::{MeshFile, Regions, read_mesh, read_regions};
+use crate::picture::{Depth, Picture};
+use crate::stage::check::{LoadedMesh, inspect};
+use crate::stage::write::check_place;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Where regions come from.
+#[derive(Clone, Debug)]
+pub enum RegionSource {
+    /// A file.
+    File(PathBuf),
+    /// So many are made.
+    Segment(usize),
+}
+
+/// The second mesh.
+#[derive(Clone, Debug)]
+pub enum Onto {
+    /// A mesh and its regions.
+    Regions {
+        /// The mesh.
+        mesh: PathBuf,
+        /// The region file.
+        regions: PathBuf,
+    },
+    /// The target of a finished map, with regions carried through it.
+    Map(PathBuf),
+}
+
+/// An image to be carried over.
+#[derive(Clone, Debug)]
+pub struct TextureJob {
+    /// The first mesh's image.
+    pub image: PathBuf,
+    /// Texels along a side; none for the size of the image.
+    pub size: Option<usize>,
+    /// How far gutters are filled.
+    pub padding: Padding,
+}
+
+/// What to do.
+#[derive(Clone, Debug)]
+pub struct DiffuseJob {
+    /// The mesh.
+    pub mesh: PathBuf,
+    /// Its regions.
+    pub regions: RegionSource,
+    /// Whether limbs are divided lengthwise.
+    pub split_ends: bool,
+    /// How to parametrize.
+    pub options: DiffusionOptions,
+    /// The second mesh, if there is one.
+    pub onto: Option<Onto>,
+    /// An image to be carried to it.
+    pub texture: Option<TextureJob>,
+    /// The folder for the results.
+    pub out: PathBuf,
+}
+
+/// A step's seconds by name.
+type Seconds = BTreeMap<&'static str, f64>;
+
+/// Runs the job; `compute` opens the device, if an image is carried.
+///
+/// # Errors
+/// Those of reading, checking, parametrizing, matching and writing; the folder then is as it was before.
+pub fn run(job: &DiffuseJob, compute: &dyn Fn() -> Result<Compute>) -> Result<DiffusionReport> {
+    let start = Instant::now();
+    check_place(&job.out)?;
+    if job.texture.is_some() && job.onto.is_none() {
+        return Err(Error::usage("there is no second mesh to carry the image to").remedy("give --onto or --onto-map"));
+    }
+    let mut seconds = Seconds::new();
+    let mut clock = Instant::now();
+    let mut lap = |seconds: &mut Seconds, name| {
+        seconds.insert(name, clock.elapsed().as_secs_f64());
+        clock = Instant::now();
+    };
+    let loaded = inspect(read_mesh(&job.mesh)?)?;
+    let regions = regions_of(job, &loaded)?;
+    let second = job.onto.as_ref().map(|onto| load_second(onto, &loaded, &regions)).transpose()?;
+    lap(&mut seconds, "load");
+    let (regions, ends) =
+        if job.split_ends { split_ends(&loaded.mesh, &regions, None) } else { (regions, BTreeMap::new()) };
+    let first = diffuse(&loaded.mesh, regions, job.options)?;
+    let onto = match &second {
+        Some((other, regions)) => {
+            let (regions, _) = split_ends(&other.mesh, regions, Some(&ends));
+            Some(diffuse_like(&first, &other.mesh, regions, job.options)?)
+        }
+        None => None,
+    };
+    lap(&mut seconds, "diffuse");
+    let maps = onto.as_ref().map(|onto| [correspond(&first, onto), correspond(onto, &first)]);
+    let pair = onto.as_ref().zip(second.as_ref().map(|(other, _)| &other.file));
+    let mut images = Vec::new();
+    let mut texture = None;
+    if let (Some(job), Some((onto, file))) = (&job.texture, pair) {
+        texture = Some(carried(job, [(&first, &loaded.file), (onto, file)], &compute()?, &mut images)?);
+    }
+    lap(&mut seconds, "correspond");
+    let in_atlas = texture.is_some() && pair.is_some_and(|(_, file)| file.uv.values.is_empty());
+    let output = Output {
+        mesh: (&loaded.file, &first),
+        onto: pair.map(|(onto, file)| (file, onto)),
+        maps: maps.as_ref(),
+        images: &images,
+        in_atlas,
+    };
+    write(&output, &job.out, || {
+        lap(&mut seconds, "draw");
+        seconds.insert("total", start.elapsed().as_secs_f64());
+        report(job, &output, texture, seconds)
+    })
+}
+
+/// The regions of the first mesh.
+fn regions_of(job: &DiffuseJob, loaded: &LoadedMesh) -> Result<Regions> {
+    match &job.regions {
+        RegionSource::File(path) => read_regions(path, &loaded.file),
+        RegionSource::Segment(count) => {
+            let regions = segment(&loaded.mesh, *count).map_err(|e| e.file(&job.mesh))?;
+            Ok(Regions { path: job.mesh.clone(), ..regions })
+        }
+    }
+}
+
+/// The second mesh and its regions.
+fn load_second(onto: &Onto, first: &LoadedMesh, regions: &Regions) -> Result<(LoadedMesh, Regions)> {
+    match onto {
+        Onto::Regions { mesh, regions } => {
+            let loaded = inspect(read_mesh(mesh)?)?;
+            let regions = read_regions(regions, &loaded.file)?;
+            Ok((loaded, regions))
+        }
+        Onto::Map(dir) => {
+            let map = read_finished_map(dir, [Some(&first.file.path), None])?;
+            let regions = regions_through(&map, regions);
+            let [_, target] = map.meshes;
+            Ok((inspect(target)?, Regions { path: dir.clone(), ..regions }))
+        }
+    }
+}
+
+/// Carries the image into the second mesh's texture coordinates, or into an atlas of its regions.
+fn carried(
+    job: &TextureJob,
+    pair: [(&Diffusion, &MeshFile); 2],
+    compute: &Compute,
+    images: &mut Vec<(String, Picture)>,
+) -> Result<TransferReport> {
+    require_uv(pair[0].1)?;
+    let textures = Textures::read(&job.image, &UvTriangles::of(pair[0].1), false)?;
+    let (onto, file) = pair[1];
+    let uv = if file.uv.values.is_empty() { in_atlas(onto, file) } else { UvTriangles::of(file) };
+    let extension = if textures.depth() == Depth::Float { "exr" } else { "png" };
+    let several = uv.tiles().len() > 1;
+    let name = format!("target_texture{}.{extension}", if several { ".<UDIM>" } else { "" });
+    let options = TransferOptions { size: job.size, padding: job.padding, normal_map: false };
+    let report = carry_image(compute, pair, &textures, &uv, &options, |tile, picture| {
+        images.push((file_of(Path::new(&name), tile)?.display().to_string(), picture));
+        Ok(())
+    })?;
+    Ok(TransferReport { files: images.iter().map(|(name, _)| PathBuf::from(name)).collect(), ..report })
+}
+
+fn in_atlas(diffusion: &Diffusion, file: &MeshFile) -> UvTriangles {
+    let cells = Cells::new(diffusion.pieces.len());
+    let places = by_triangle(diffusion, &file.triangles()).into_iter();
+    let corners = places.map(|(r, uv)| uv.map(|uv| cells.place(r, uv))).collect();
+    UvTriangles { corners, missing: Vec::new(), flipped: Vec::new() }
+}
+
+fn report(job: &DiffuseJob, output: &Output, texture: Option<TransferReport>, seconds: Seconds) -> DiffusionReport {
+    use crate::path::side_front::Travel;
+    let described = |(file, diffusion): (&MeshFile, &Diffusion)| {
+        (ParametrizedMesh::new(diffusion, file), remarks(diffusion, &file.path.display().to_string()))
+    };
+    let (mesh, mut warnings) = described(output.mesh);
+    let onto = output.onto.map(|onto| {
+        let (mesh, more) = described(onto);
+        warnings.extend(more);
+        mesh
+    });
+    let distortion = |k: usize| output.maps.map(|maps: &[Correspondence; 2]| maps[k].distortion);
+    DiffusionReport {
+        version: env!("CARGO_PKG_VERSION"),
+        front: if job.options.travel == Travel::Faces { "face" } else { "edge" },
+        mesh,
+        onto,
+        distortion: distortion(0),
+        distortion_target_on_source: distortion(1),
+        texture,
+        seconds,
+        warnings,
+    }
+}
