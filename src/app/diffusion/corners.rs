@@ -60,25 +60,14 @@ const AROUND_MIRRORED: [usize; 4] = [2, 0, 3, 1];
 
 /// The corners between given sides: the vertex that two of them share, or the middle of the gap between them.
 fn given(region: &Region, disc: &Disc, sides: &[Vec<VertexId>; 4]) -> Result<Corners> {
-    let n = disc.rim.len();
-    let mut on = vec![0u8; n];
-    for (k, side) in sides.iter().enumerate() {
-        for &v in side {
-            let place = disc.on_rim(v).ok_or_else(|| {
-                Error::input(format!("side {} of region \"{}\" leaves its border", SIDES[k], region.name))
-                    .at(v)
-                    .remedy("list vertices on the region's border")
-            })?;
-            on[place] |= 1 << k;
-        }
-    }
     let crossing = || {
         Error::input(format!("the sides of region \"{}\" cross or overlap", region.name))
             .remedy("let v0, u1, v1 and u0 follow each other around its border, with one vertex in common at most")
     };
-    let spans = spans(&on).filter(|spans| spans.len() == 4).ok_or_else(crossing)?;
+    let spans = spans(&marks(region, disc, sides)?).filter(|spans| spans.len() == 4).ok_or_else(crossing)?;
     let mirrored = [AROUND, AROUND_MIRRORED].iter().position(|order| (0..4).all(|i| spans[i].0 == order[i]));
     let mirrored = mirrored.ok_or_else(crossing)? == 1;
+    let n = disc.rim.len();
     let between = |i: usize| {
         let (end, start) = (spans[(i + 3) % 4].2, spans[i].1);
         let gap = (start + n - end) % n;
@@ -90,6 +79,22 @@ fn given(region: &Region, disc: &Disc, sides: &[Vec<VertexId>; 4]) -> Result<Cor
         return Err(crossing());
     }
     Ok(Corners { at, mirrored, given: true })
+}
+
+/// For every place of the rim the sides that list it, one bit each.
+fn marks(region: &Region, disc: &Disc, sides: &[Vec<VertexId>; 4]) -> Result<Vec<u8>> {
+    let mut on = vec![0u8; disc.rim.len()];
+    for (k, side) in sides.iter().enumerate() {
+        for &v in side {
+            let place = disc.on_rim(v).ok_or_else(|| {
+                Error::input(format!("side {} of region \"{}\" leaves its border", SIDES[k], region.name))
+                    .at(v)
+                    .remedy("list vertices on the region's border")
+            })?;
+            on[place] |= 1 << k;
+        }
+    }
+    Ok(on)
 }
 
 /// The maximal spans of places on one side around a rim, each as side, first and last place, v0 first. A place on two
@@ -134,40 +139,24 @@ fn found(
     nodes: &BTreeSet<VertexId>,
     completions: &mut Vec<Completion>,
 ) -> Result<Corners> {
-    let mut note = |what, vertex| completions.push(Completion { region: name.to_owned(), what, vertex });
+    let mut note = |what, place: usize| {
+        completions.push(Completion { region: name.to_owned(), what, vertex: disc.vertices[place] });
+    };
     let mut places: Vec<usize> = (0..disc.rim.len()).filter(|&i| nodes.contains(&disc.vertices[i])).collect();
     if places.is_empty() {
         places.push(corner_of(mesh, &disc.rim));
-        note("split", disc.vertices[places[0]]);
+        note("split", places[0]);
     }
-    let length = |a: usize, b: usize| {
-        let path: Vec<VertexId> = disc.stretch_of_rim(a, b).iter().map(|&v| disc.vertices[v as usize]).collect();
-        walked(mesh, &path).last().copied().unwrap_or(0.0)
-    };
-    while places.len() != 4 {
-        let n = places.len();
-        let lengths: Vec<f64> = (0..n).map(|i| length(places[i], places[(i + 1) % n])).collect();
-        if n > 4 {
-            let shortest = (0..n).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
-            let is_before_shorter = lengths[(shortest + n - 1) % n] <= lengths[(shortest + 1) % n];
-            let gone = places.remove(if is_before_shorter { shortest } else { (shortest + 1) % n });
-            note("joined", disc.vertices[gone]);
-            continue;
-        }
-        let middle = |i: usize| {
-            let path = disc.stretch_of_rim(places[i], places[(i + 1) % n]);
-            let vertices: Vec<VertexId> = path.iter().map(|&v| disc.vertices[v as usize]).collect();
-            vertex_at_share(mesh, &vertices, 0.5).map(|k| path[k] as usize)
-        };
-        let splittable = (0..n).filter_map(|i| Some((lengths[i], i, middle(i)?)));
-        let longest = splittable.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-        let (_, i, place) = longest.ok_or_else(|| {
+    while places.len() > 4 {
+        note("joined", join_shortest(mesh, disc, &mut places));
+    }
+    while places.len() < 4 {
+        let place = split_longest(mesh, disc, &mut places).ok_or_else(|| {
             Error::input(format!("region \"{name}\" has a border of {} edges, too few for four sides", disc.rim.len()))
                 .at(disc.faces[0])
                 .remedy("make it larger")
         })?;
-        places.insert(i + 1, place);
-        note("split", disc.vertices[place]);
+        note("split", place);
     }
     places.sort_unstable();
     // The first side is the one that touches the region that comes first; what lies beyond the boundary comes last.
@@ -175,6 +164,39 @@ fn found(
     let first = (0..4).min_by_key(|&k| beyond(places[k])).unwrap_or(0);
     places.rotate_left(first);
     Ok(Corners { at: [0, 1, 2, 3].map(|k| disc.vertices[places[k]]), mirrored: false, given: false })
+}
+
+/// The rim from corner `i` to the next one: places and vertices.
+fn side(disc: &Disc, places: &[usize], i: usize) -> (Vec<u32>, Vec<VertexId>) {
+    let path = disc.stretch_of_rim(places[i], places[(i + 1) % places.len()]);
+    let vertices = path.iter().map(|&v| disc.vertices[v as usize]).collect();
+    (path, vertices)
+}
+
+fn lengths(mesh: &TriMesh, disc: &Disc, places: &[usize]) -> Vec<f64> {
+    let length = |i| walked(mesh, &side(disc, places, i).1).last().copied().unwrap_or(0.0);
+    (0..places.len()).map(length).collect()
+}
+
+/// Removes the corner between the shortest side and the shorter one beside it.
+fn join_shortest(mesh: &TriMesh, disc: &Disc, places: &mut Vec<usize>) -> usize {
+    let (n, lengths) = (places.len(), lengths(mesh, disc, places));
+    let shortest = (0..n).min_by(|&i, &j| lengths[i].total_cmp(&lengths[j])).unwrap_or(0);
+    let is_before_shorter = lengths[(shortest + n - 1) % n] <= lengths[(shortest + 1) % n];
+    places.remove(if is_before_shorter { shortest } else { (shortest + 1) % n })
+}
+
+/// Adds a corner in the middle of the longest side with a vertex inside; none if there is no such side.
+fn split_longest(mesh: &TriMesh, disc: &Disc, places: &mut Vec<usize>) -> Option<usize> {
+    let lengths = lengths(mesh, disc, places);
+    let middle = |i: usize| {
+        let (path, vertices) = side(disc, places, i);
+        vertex_at_share(mesh, &vertices, 0.5).map(|k| path[k] as usize)
+    };
+    let splittable = (0..places.len()).filter_map(|i| Some((lengths[i], i, middle(i)?)));
+    let (_, i, place) = splittable.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)))?;
+    places.insert(i + 1, place);
+    Some(place)
 }
 
 #[cfg(test)]

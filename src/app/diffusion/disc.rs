@@ -50,7 +50,7 @@ pub fn faces_by_region(labels: &Labels, regions: usize) -> Vec<Vec<FaceId>> {
 
 /// Cuts out the region of some faces; or why it is not a disc.
 pub fn disc_of(mesh: &TriMesh, labels: &Labels, faces: Vec<FaceId>) -> std::result::Result<Disc, String> {
-    let pieces = count_pieces(mesh, labels, &faces);
+    let pieces = pieces_of(mesh, labels, &faces).len();
     if pieces > 1 {
         return Err(format!("it is in {pieces} pieces"));
     }
@@ -94,20 +94,22 @@ fn following(mesh: &TriMesh, labels: &Labels, h: HalfedgeId) -> Option<HalfedgeI
     Some(at)
 }
 
-/// Number of edge-connected pieces of faces that lie in one region.
-fn count_pieces(mesh: &TriMesh, labels: &Labels, faces: &[FaceId]) -> usize {
+/// The edge-connected pieces of faces that lie in one region, in the order of their first face.
+pub fn pieces_of(mesh: &TriMesh, labels: &Labels, faces: &[FaceId]) -> Vec<Vec<FaceId>> {
     let mut seen = std::collections::HashSet::new();
-    let mut pieces = 0;
+    let mut pieces = Vec::new();
     for &seed in faces {
         if !seen.insert(seed) {
             continue;
         }
-        pieces += 1;
-        let mut stack = vec![seed];
-        while let Some(f) = stack.pop() {
+        let mut piece = vec![seed];
+        let mut at = 0;
+        while let Some(&f) = piece.get(at) {
+            at += 1;
             let inner = (0..3).map(|i| corner(f, i)).filter(|&h| !is_border(mesh, labels, h));
-            stack.extend(inner.filter_map(|h| mesh.conn.twin(h)).map(face_of).filter(|&g| seen.insert(g)));
+            piece.extend(inner.filter_map(|h| mesh.conn.twin(h)).map(face_of).filter(|&g| seen.insert(g)));
         }
+        pieces.push(piece);
     }
     pieces
 }

@@ -13,7 +13,8 @@ pub type Ends = BTreeMap<String, DVec3>;
 /// Divides every end of a limb, which is a region with one neighbour all around, and every tube, which has two rims, into
 /// halves `NAME a` and `NAME b`. Seams start at the places of `like`, those of another mesh.
 pub fn split_ends(mesh: &TriMesh, regions: &Regions, like: Option<&Ends>) -> (Regions, Ends) {
-    let mut labels = labels_of(regions);
+    let labels = labels_of(regions);
+    let mut divided = labels.clone();
     let mut list = regions.list.clone();
     let mut ends = Ends::new();
     let bounds = Bounds::of(mesh);
@@ -29,12 +30,12 @@ pub fn split_ends(mesh: &TriMesh, regions: &Regions, like: Option<&Ends>) -> (Re
         let part = lengthwise(mesh, &labels, &faces, seam);
         let other = list.len() as u32;
         let is_part: std::collections::HashSet<FaceId> = part.into_iter().collect();
-        faces.iter().filter(|f| !is_part.contains(f)).for_each(|&f| labels[f] = other);
+        faces.iter().filter(|f| !is_part.contains(f)).for_each(|&f| divided[f] = other);
         ends.insert(name.clone(), bounds.share(start));
         list[r] = Region { name: format!("{name} a"), sides: None };
         list.push(Region { name: format!("{name} b"), sides: None });
     }
-    (Regions { path: regions.path.clone(), list, of_triangle: labels.raw }, ends)
+    (Regions { path: regions.path.clone(), list, of_triangle: divided.raw }, ends)
 }
 
 /// True for a region with one rim and one neighbour behind all of it, and for one with two rims.

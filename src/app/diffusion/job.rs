@@ -3,7 +3,7 @@
 use super::picture::Cells;
 use super::report::{ParametrizedMesh, remarks};
 use super::through::regions_through;
-use super::{Correspondence, Diffusion, DiffusionOptions, DiffusionReport, Output};
+use super::{Correspondence, Diffusion, DiffusionOptions, DiffusionReport, Ends, Output};
 use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, segment, split_ends, write};
 use crate::app::attributes::require_uv;
 use crate::app::canvas::Padding;
@@ -14,7 +14,9 @@ use crate::app::udim::file_of;
 use crate::app::uv::UvTriangles;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
+use crate::mesh::TriMesh;
 use crate::mesh::io::{MeshFile, Regions, read_mesh, read_regions};
+use crate::path::side_front::Travel;
 use crate::picture::{Depth, Picture};
 use crate::stage::check::{LoadedMesh, inspect};
 use crate::stage::write::check_place;
@@ -75,40 +77,22 @@ pub struct DiffuseJob {
     pub out: PathBuf,
 }
 
-/// A step's seconds by name.
-type Seconds = BTreeMap<&'static str, f64>;
-
 /// Runs the job; `compute` opens the device, if an image is carried.
 ///
 /// # Errors
 /// Those of reading, checking, parametrizing, matching and writing; the folder then is as it was before.
 pub fn run(job: &DiffuseJob, compute: &dyn Fn() -> Result<Compute>) -> Result<DiffusionReport> {
-    let start = Instant::now();
     check_place(&job.out)?;
     if job.texture.is_some() && job.onto.is_none() {
         return Err(Error::usage("there is no second mesh to carry the image to").remedy("give --onto or --onto-map"));
     }
-    let mut seconds = Seconds::new();
-    let mut clock = Instant::now();
-    let mut lap = |seconds: &mut Seconds, name| {
-        seconds.insert(name, clock.elapsed().as_secs_f64());
-        clock = Instant::now();
-    };
+    let mut clock = Clock::start();
     let loaded = inspect(read_mesh(&job.mesh)?)?;
     let regions = regions_of(job, &loaded)?;
     let second = job.onto.as_ref().map(|onto| load_second(onto, &loaded, &regions)).transpose()?;
-    lap(&mut seconds, "load");
-    let (regions, ends) =
-        if job.split_ends { split_ends(&loaded.mesh, &regions, None) } else { (regions, BTreeMap::new()) };
-    let first = diffuse(&loaded.mesh, regions, job.options)?;
-    let onto = match &second {
-        Some((other, regions)) => {
-            let (regions, _) = split_ends(&other.mesh, regions, Some(&ends));
-            Some(diffuse_like(&first, &other.mesh, regions, job.options)?)
-        }
-        None => None,
-    };
-    lap(&mut seconds, "diffuse");
+    clock.lap("load");
+    let (first, onto) = parametrized(job, &loaded, regions, second.as_ref())?;
+    clock.lap("diffuse");
     let maps = onto.as_ref().map(|onto| [correspond(&first, onto), correspond(onto, &first)]);
     let pair = onto.as_ref().zip(second.as_ref().map(|(other, _)| &other.file));
     let mut images = Vec::new();
@@ -116,20 +100,58 @@ pub fn run(job: &DiffuseJob, compute: &dyn Fn() -> Result<Compute>) -> Result<Di
     if let (Some(job), Some((onto, file))) = (&job.texture, pair) {
         texture = Some(carried(job, [(&first, &loaded.file), (onto, file)], &compute()?, &mut images)?);
     }
-    lap(&mut seconds, "correspond");
+    clock.lap("correspond");
     let in_atlas = texture.is_some() && pair.is_some_and(|(_, file)| file.uv.values.is_empty());
-    let output = Output {
-        mesh: (&loaded.file, &first),
-        onto: pair.map(|(onto, file)| (file, onto)),
-        maps: maps.as_ref(),
-        images: &images,
-        in_atlas,
-    };
+    let mesh = (&loaded.file, &first);
+    let onto = pair.map(|(onto, file)| (file, onto));
+    let output = Output { mesh, onto, maps: maps.as_ref(), images: &images, in_atlas };
     write(&output, &job.out, || {
-        lap(&mut seconds, "draw");
-        seconds.insert("total", start.elapsed().as_secs_f64());
-        report(job, &output, texture, seconds)
+        clock.lap("draw");
+        report(job, &output, texture, clock.finish())
     })
+}
+
+/// Seconds by step.
+struct Clock {
+    start: Instant,
+    last: Instant,
+    seconds: BTreeMap<&'static str, f64>,
+}
+
+impl Clock {
+    fn start() -> Self {
+        let now = Instant::now();
+        Clock { start: now, last: now, seconds: BTreeMap::new() }
+    }
+
+    fn lap(&mut self, name: &'static str) {
+        self.seconds.insert(name, self.last.elapsed().as_secs_f64());
+        self.last = Instant::now();
+    }
+
+    fn finish(mut self) -> BTreeMap<&'static str, f64> {
+        self.seconds.insert("total", self.start.elapsed().as_secs_f64());
+        self.seconds
+    }
+}
+
+/// Both meshes with (u, v).
+fn parametrized<'m>(
+    job: &DiffuseJob,
+    loaded: &'m LoadedMesh,
+    regions: Regions,
+    second: Option<&'m (LoadedMesh, Regions)>,
+) -> Result<(Diffusion<'m>, Option<Diffusion<'m>>)> {
+    let halved = |mesh: &TriMesh, regions: &Regions, like: Option<&Ends>| match job.split_ends {
+        true => split_ends(mesh, regions, like),
+        false => (regions.clone(), Ends::new()),
+    };
+    let (regions, ends) = halved(&loaded.mesh, &regions, None);
+    let first = diffuse(&loaded.mesh, regions, job.options)?;
+    let Some((other, regions)) = second else { return Ok((first, None)) };
+    let (regions, _) = halved(&other.mesh, regions, Some(&ends));
+    let onto = diffuse_like(&first, &other.mesh, regions, job.options)?;
+    Ok((first, Some(onto)))
 }
 
 /// The regions of the first mesh.
@@ -189,8 +211,12 @@ fn in_atlas(diffusion: &Diffusion, file: &MeshFile) -> UvTriangles {
     UvTriangles { corners, missing: Vec::new(), flipped: Vec::new() }
 }
 
-fn report(job: &DiffuseJob, output: &Output, texture: Option<TransferReport>, seconds: Seconds) -> DiffusionReport {
-    use crate::path::side_front::Travel;
+fn report(
+    job: &DiffuseJob,
+    output: &Output,
+    texture: Option<TransferReport>,
+    seconds: BTreeMap<&'static str, f64>,
+) -> DiffusionReport {
     let described = |(file, diffusion): (&MeshFile, &Diffusion)| {
         (ParametrizedMesh::new(diffusion, file), remarks(diffusion, &file.path.display().to_string()))
     };

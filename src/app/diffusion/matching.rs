@@ -164,25 +164,15 @@ impl Match {
         let mut nodes = BTreeMap::new();
         for (r, around) in a.borders.around.iter().enumerate() {
             for &way in around {
-                let other = self.ways[&way];
-                let path = a.borders.vertices(a.mesh, way);
-                let is_closed = !a.nodes.contains(&path[0]);
-                let marks: Vec<usize> = (0..path.len() - 1).filter(|&i| extra.contains(&path[i])).collect();
-                let fail = |e: Error| e.at(format!("region \"{}\"", a.regions.list[r].name)).file(&b.regions.path);
-                if !is_closed {
-                    nodes.insert(path[0], b.borders.start(b.mesh, other));
+                let start = a.borders.start(a.mesh, way);
+                if a.nodes.contains(&start) {
+                    nodes.insert(start, b.borders.start(b.mesh, self.ways[&way]));
                 }
-                if way.reversed || marks.is_empty() {
-                    continue; // the same run, seen from its other side
+                // Backwards it is the same run, seen from its other side.
+                if !way.reversed {
+                    let fail = |e: Error| e.at(format!("region \"{}\"", a.regions.list[r].name)).file(&b.regions.path);
+                    nodes.extend(self.along(a, b, way, extra, forced).map_err(fail)?);
                 }
-                let there = b.borders.vertices(b.mesh, other);
-                let placed = if is_closed {
-                    place_on_loop([a.mesh, b.mesh], &path, &marks, there, forced)
-                } else {
-                    place_on_run([a.mesh, b.mesh], &path, &marks, &there, forced)
-                };
-                let placed = placed.map_err(fail)?;
-                nodes.extend(marks.iter().map(|&i| path[i]).zip(placed));
             }
         }
         let off = forced.iter().find(|(v, w)| nodes.get(v).is_some_and(|n| n != *w));
@@ -193,6 +183,31 @@ impl Match {
                 .remedy("let sides meet at corresponding places on both meshes")),
             None => Ok(nodes),
         }
+    }
+}
+
+impl Match {
+    /// The counterparts of the nodes inside a run.
+    fn along(
+        &self,
+        a: &Divided,
+        b: &Divided,
+        way: Way,
+        extra: &BTreeSet<VertexId>,
+        forced: &BTreeMap<VertexId, VertexId>,
+    ) -> Result<Vec<(VertexId, VertexId)>> {
+        let path = a.borders.vertices(a.mesh, way);
+        let marks: Vec<usize> = (0..path.len() - 1).filter(|&i| extra.contains(&path[i])).collect();
+        if marks.is_empty() {
+            return Ok(Vec::new());
+        }
+        let there = b.borders.vertices(b.mesh, self.ways[&way]);
+        let placed = if a.nodes.contains(&path[0]) {
+            place_on_run([a.mesh, b.mesh], &path, &marks, &there, forced)
+        } else {
+            place_on_loop([a.mesh, b.mesh], &path, &marks, there, forced)
+        }?;
+        Ok(marks.iter().map(|&i| path[i]).zip(placed).collect())
     }
 }
 

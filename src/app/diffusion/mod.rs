@@ -123,30 +123,14 @@ pub fn diffuse_like<'m>(
     let regions = in_order_of(&first.regions, regions);
     let labels = disc::labels_of(&regions);
     let discs = disc::cut_out(mesh, &regions, &labels)?;
-    let natural = natural_nodes(mesh, &discs);
-    let (own, _) = corners::corners(mesh, &regions, &labels, &discs, &natural)?;
-    let first_discs: Vec<Disc> = first.pieces.iter().map(|piece| piece.disc.clone()).collect();
-    let first_natural = natural_nodes(first.mesh, &first_discs);
-    let divided = |mesh, regions, discs, nodes| Divided {
-        mesh,
-        regions,
-        discs,
-        borders: Borders::new(mesh, discs, nodes),
-        nodes,
-    };
-    let here = divided(first.mesh, &first.regions, &first_discs, &first_natural);
-    let there = divided(mesh, &regions, &discs, &natural);
-    let found = match_regions(&here, &there)?;
+    let mut nodes = natural_nodes(mesh, &discs);
+    let (own, _) = corners::corners(mesh, &regions, &labels, &discs, &nodes)?;
     let forced = given_on_both(first, &regions, &own)?;
-    let extra: BTreeSet<VertexId> =
-        first.corners.iter().flat_map(|c| c.at).filter(|v| !first_natural.contains(v)).collect();
-    let counterparts = found.nodes(&here, &there, &extra, &forced)?;
-    let corners: Vec<Corners> =
-        first.corners.iter().map(|c| Corners { at: c.at.map(|v| counterparts[&v]), ..*c }).collect();
-    let mut nodes = natural.clone();
+    let there =
+        Divided { mesh, regions: &regions, discs: &discs, borders: Borders::new(mesh, &discs, &nodes), nodes: &nodes };
+    let (corners, is_symmetric) = corners_like(first, &there, &forced)?;
     nodes.extend(corners.iter().flat_map(|c| c.at));
     let borders = Borders::new(mesh, &discs, &nodes);
-    let is_symmetric = found.is_symmetric;
     let draft = Draft { mesh, regions, discs, corners, shares: first.shares.clone(), completions: Vec::new() };
     let mut diffusion = draft.finish(&borders, options)?;
     if is_symmetric {
@@ -154,6 +138,23 @@ pub fn diffuse_like<'m>(
         diffusion.warnings.push(text.to_owned());
     }
     Ok(diffusion)
+}
+
+/// The corners of the first mesh on the second, and whether there were several ways to match the regions.
+fn corners_like(
+    first: &Diffusion,
+    there: &Divided,
+    forced: &BTreeMap<VertexId, VertexId>,
+) -> Result<(Vec<Corners>, bool)> {
+    let Diffusion { mesh, regions, .. } = first;
+    let discs: Vec<Disc> = first.pieces.iter().map(|piece| piece.disc.clone()).collect();
+    let nodes = natural_nodes(mesh, &discs);
+    let here = Divided { mesh, regions, discs: &discs, borders: Borders::new(mesh, &discs, &nodes), nodes: &nodes };
+    let found = match_regions(&here, there)?;
+    let extra: BTreeSet<VertexId> = first.corners.iter().flat_map(|c| c.at).filter(|v| !nodes.contains(v)).collect();
+    let counterparts = found.nodes(&here, there, &extra, forced)?;
+    let carried = first.corners.iter().map(|c| Corners { at: c.at.map(|v| counterparts[&v]), ..*c });
+    Ok((carried.collect(), found.is_symmetric))
 }
 
 /// Regions numbered as those of the first mesh with the same names; others behind them.

@@ -15,8 +15,9 @@ const CELL: usize = 240;
 const LARGEST_ATLAS: usize = 4096;
 /// Share of a cell that stays free at its border, so that neighbours do not bleed in.
 const INSET: f64 = 0.04;
-/// Width and height of one view of a preview, pixels.
-const VIEW: [usize; 2] = [640, 560];
+/// Height of one view of a preview, pixels; its width follows the mesh, within bounds.
+const HEIGHT: usize = 560;
+const WIDTHS: [f64; 2] = [300.0, 800.0];
 
 /// Colours of regions, one after the other: light enough for lines to show, and told apart without red and green.
 const TINTS: [u32; 8] = [0x8fb8de, 0xf2c879, 0xa8d5ba, 0xd7a6c8, 0xc9c9c9, 0xf0a58f, 0x9fd8e0, 0xd9d98c];
@@ -128,7 +129,9 @@ fn one_view(diffusion: &Diffusion, view: View) -> Picture {
     scene.lines = borders(diffusion);
     let corners = diffusion.pieces.iter().flat_map(|p| p.sides.iter().map(|s| p.disc.vertices[s.vertices[0] as usize]));
     scene.dots = corners.map(|v| Dot { at: mesh.positions[v], color: color(LINE), radius: 2.0 }).collect();
-    render(&scene, &Camera::new(view, Lens::Perspective(5.0), &mesh.positions.raw), VIEW)
+    let camera = Camera::new(view, Lens::Perspective(5.0), &mesh.positions.raw);
+    let width = (HEIGHT as f64 * camera.aspect()).clamp(WIDTHS[0], WIDTHS[1]) as usize;
+    render(&scene, &camera, [width, HEIGHT])
 }
 
 /// The borders between regions, an edge each.

@@ -17,7 +17,7 @@ pub struct Quality {
     /// Triangles without area in (u, v).
     pub flat: Vec<FaceId>,
     /// Triangles that no map with these sides has room for: an edge that joins two vertices of one side cuts them off. They
-    /// count neither as folds nor as flat.
+    /// count neither as folds nor as flat, and the measures leave them out.
     pub pinned: Vec<FaceId>,
     /// From the surface to (u, v) as a rectangle with the region's mean width and height; `flips` counts folds and flat ones.
     pub measures: Measures,
@@ -40,7 +40,8 @@ pub fn quality(mesh: &TriMesh, piece: &Piece) -> Quality {
     let flat = pick(|sign, is_pinned| sign == 0.0 && !is_pinned);
     let pinned = pick(|_, is_pinned| is_pinned);
     let size = piece.size(mesh);
-    let triangles: Vec<[VertexId; 3]> = piece.disc.triangles.iter().map(|t| t.map(VertexId)).collect();
+    let roomy = piece.disc.triangles.iter().zip(&pocketed).filter(|&(_, &is_pinned)| !is_pinned);
+    let triangles: Vec<[VertexId; 3]> = roomy.map(|(t, _)| t.map(VertexId)).collect();
     let before: IdVec<VertexId, DVec3> = piece.disc.points(mesh).into_iter().collect();
     let after = piece.st.iter().map(|&p| (p * size).extend(0.0)).collect();
     let both = distortion(&triangles, &before, &after, folds.len() + flat.len());

@@ -18,41 +18,46 @@ use std::collections::{HashMap, HashSet};
 /// # Errors
 /// A bug, if no weights give positive triangles.
 pub fn repair(mesh: &TriMesh, piece: &mut Piece) -> Result<()> {
-    let pocketed = pockets(piece);
     pin(&piece.sides, &mut piece.st);
-    let kept: Vec<usize> = (0..piece.disc.triangles.len()).filter(|t| !pocketed[*t]).collect();
-    let mut number = HashMap::new();
-    let rim = rim_of(piece, &kept);
-    let mut vertices: Vec<u32> = rim.clone();
-    number.extend(rim.iter().copied().zip(0u32..));
+    let (vertices, mut disc) = without_pockets(piece);
+    let points: Vec<_> = disc.vertices.iter().map(|&v| mesh.positions[v]).collect();
+    let size = piece.size(mesh);
+    let frame = Frame { first: DVec2::new(size.x, 0.0), second: DVec2::new(0.0, size.y) };
+    embed_patch(&mut disc, &points, &frame)
+        .ok_or_else(|| Error::bug(format!("region \"{}\" cannot be embedded", piece.name)))?;
+    vertices.iter().zip(&disc.positions).for_each(|(&v, &p)| piece.st[v as usize] = p);
+    lay_flat(piece, &vertices);
+    pin(&piece.sides, &mut piece.st);
+    piece.repaired = true;
+    Ok(())
+}
+
+/// The region without its pockets as a patch, and the region's number of each of its vertices.
+fn without_pockets(piece: &Piece) -> (Vec<u32>, PatchDisc) {
+    let pocketed = pockets(piece);
+    let kept: Vec<usize> = (0..pocketed.len()).filter(|&t| !pocketed[t]).collect();
+    let mut vertices = rim_of(piece, &kept);
+    let boundary = vertices.len();
+    let corner = |k: usize| vertices.iter().position(|&v| v == piece.sides[k].vertices[0]).unwrap_or(0) as u32;
+    // Patches have three sides; two of the square's count as one, which holds back merges across its corner, no more.
+    let corners = [0, 1, 2].map(corner);
+    let mut number: HashMap<u32, u32> = vertices.iter().copied().zip(0u32..).collect();
     let mut local = |v: u32| {
         *number.entry(v).or_insert_with(|| {
             vertices.push(v);
             vertices.len() as u32 - 1
         })
     };
-    let triangles: Vec<[u32; 3]> = kept.iter().map(|&t| piece.disc.triangles[t].map(&mut local)).collect();
-    let corner = |k: usize| rim.iter().position(|&v| v == piece.sides[k].vertices[0]).unwrap_or(0) as u32;
-    let corners = [0, 1, 2].map(corner);
-    let size = piece.size(mesh);
-    let points: Vec<_> = vertices.iter().map(|&v| mesh.positions[piece.disc.vertices[v as usize]]).collect();
-    let mut disc = PatchDisc {
+    let triangles = kept.iter().map(|&t| piece.disc.triangles[t].map(&mut local)).collect();
+    let disc = PatchDisc {
         vertices: vertices.iter().map(|&v| piece.disc.vertices[v as usize]).collect(),
         faces: kept.iter().map(|&t| piece.disc.faces[t]).collect(),
         triangles,
-        boundary: rim.len(),
+        boundary,
         corners,
         positions: vertices.iter().map(|&v| piece.st[v as usize]).collect(),
     };
-    let frame = Frame { first: DVec2::new(size.x, 0.0), second: DVec2::new(0.0, size.y) };
-    embed_patch(&mut disc, &points, &frame)
-        .ok_or_else(|| Error::bug(format!("region \"{}\" cannot be embedded", piece.name)))?;
-    let is_placed: HashSet<u32> = vertices.iter().copied().collect();
-    vertices.iter().zip(&disc.positions).for_each(|(&v, &p)| piece.st[v as usize] = p);
-    lay_flat(piece, &is_placed);
-    pin(&piece.sides, &mut piece.st);
-    piece.repaired = true;
-    Ok(())
+    (vertices, disc)
 }
 
 /// The triangles between a side and an edge that joins two of its vertices.
@@ -100,9 +105,9 @@ fn rim_of(piece: &Piece, kept: &[usize]) -> Vec<u32> {
 }
 
 /// Puts the vertices inside pockets at the nearest vertex that has a place, along edges.
-fn lay_flat(piece: &mut Piece, is_placed: &HashSet<u32>) {
-    let on_side: HashSet<u32> = piece.sides.iter().flat_map(|side| &side.vertices).copied().collect();
-    let mut settled: HashSet<u32> = is_placed.union(&on_side).copied().collect();
+fn lay_flat(piece: &mut Piece, placed: &[u32]) {
+    let on_side: Vec<u32> = piece.sides.iter().flat_map(|side| &side.vertices).copied().collect();
+    let mut settled: HashSet<u32> = on_side.into_iter().chain(placed.iter().copied()).collect();
     while settled.len() < piece.st.len() {
         let before = settled.clone();
         for &[a, b, c] in &piece.disc.triangles {

@@ -7,7 +7,6 @@ use super::{Correspondence, Diffusion};
 use crate::error::Result;
 use crate::map::file_order::Onto;
 use crate::mesh::io::{Keyword, MeshFile, SIDES, Statement, write_obj};
-use crate::mesh::{IdVec, VertexId};
 use crate::picture::{Picture, file::format_for};
 use crate::stage::write::OutputFolder;
 use crate::stage::write::folder::REPORT_FILE;
@@ -43,22 +42,9 @@ pub fn write(output: &Output, dir: &Path, report: impl FnOnce() -> DiffusionRepo
     let folder = OutputFolder::create(dir)?;
     let (file, diffusion) = output.mesh;
     write_mesh(&folder, ["mesh.obj", "uv.csv", "regions.json"], file, diffusion)?;
-    if let Some((file, diffusion)) = output.onto {
-        write_mesh(&folder, ["onto.obj", "onto_uv.csv", "onto_regions.json"], file, diffusion)?;
-        if output.in_atlas {
-            let atlas = in_atlas(diffusion, file);
-            folder
-                .write("target_atlas.obj", |mut out| write_obj(&mut out, folder.place(), &atlas, &atlas.positions))?;
-        }
-        for (k, name) in ["source_on_target", "target_on_source"].into_iter().enumerate() {
-            let Some(map) = output.maps.map(|maps| &maps[k]) else { continue };
-            let (from, to) = if k == 0 { (output.mesh, (file, diffusion)) } else { ((file, diffusion), output.mesh) };
-            let triangles = to.0.triangles();
-            let onto = Onto { mesh: to.1.mesh, triangles: &triangles, omitted: &[] };
-            folder.write(&format!("{name}.csv"), |out| write_points(out, &map.image, onto))?;
-            let positions = &map.positions.raw;
-            folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, folder.place(), from.0, positions))?;
-        }
+    if let Some(onto) = output.onto {
+        write_mesh(&folder, ["onto.obj", "onto_uv.csv", "onto_regions.json"], onto.0, onto.1)?;
+        write_maps(&folder, output, onto)?;
     }
     folder.write(LIBRARY, |out| write_library(out, diffusion))?;
     write_picture(&folder, GRID_FILE, &grid())?;
@@ -71,6 +57,24 @@ pub fn write(output: &Output, dir: &Path, report: impl FnOnce() -> DiffusionRepo
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
     folder.commit()?;
     Ok(report)
+}
+
+/// What there is of two meshes: the maps, and the atlas if an image lies in it.
+fn write_maps(folder: &OutputFolder, output: &Output, second: (&MeshFile, &Diffusion)) -> Result<()> {
+    let place = folder.place();
+    if output.in_atlas {
+        let atlas = in_atlas(second.1, second.0);
+        folder.write("target_atlas.obj", |mut out| write_obj(&mut out, place, &atlas, &atlas.positions))?;
+    }
+    for (k, name) in ["source_on_target", "target_on_source"].into_iter().enumerate() {
+        let Some(map) = output.maps.map(|maps| &maps[k]) else { continue };
+        let (from, to) = if k == 0 { (output.mesh, second) } else { (second, output.mesh) };
+        let triangles = to.0.triangles();
+        let onto = Onto { mesh: to.1.mesh, triangles: &triangles, omitted: &[] };
+        folder.write(&format!("{name}.csv"), |out| write_points(out, &map.image, onto))?;
+        folder.write(&format!("{name}.obj"), |mut out| write_obj(&mut out, place, from.0, &map.positions.raw))?;
+    }
+    Ok(())
 }
 
 fn write_picture(folder: &OutputFolder, name: &str, picture: &Picture) -> Result<()> {
@@ -89,6 +93,7 @@ fn write_mesh(folder: &OutputFolder, names: [&str; 3], file: &MeshFile, diffusio
 
 /// The mesh with (u, v) of its regions as texture coordinates and a material for every region.
 fn textured(diffusion: &Diffusion, file: &MeshFile, path: &Path) -> MeshFile {
+    let region_of = by_polygon(diffusion, file);
     let mut mesh = MeshFile {
         path: path.to_owned(),
         positions: file.positions.clone(),
@@ -97,27 +102,13 @@ fn textured(diffusion: &Diffusion, file: &MeshFile, path: &Path) -> MeshFile {
         material_libraries: vec![LIBRARY.to_owned()],
         ..MeshFile::default()
     };
-    let mut first = Vec::with_capacity(diffusion.pieces.len());
-    for piece in &diffusion.pieces {
-        first.push(mesh.uv.values.len() as u32);
-        mesh.uv.values.extend((0..piece.st.len()).map(|v| piece.uv(v)));
-    }
-    let mut number = IdVec::<VertexId, (u32, u32)>::filled((u32::MAX, 0), mesh.positions.len());
-    let polygons = file.triangle_polygons();
-    let mut region_of = vec![0u32; file.polygon_count()];
-    (0..).zip(&polygons).for_each(|(t, &p): (usize, _)| region_of[p as usize] = diffusion.regions.of_triangle[t]);
     mesh.uv.corners = vec![0; mesh.corners.len()];
-    let mut order: Vec<usize> = (0..region_of.len()).collect();
-    order.sort_by_key(|&p| region_of[p]);
-    for p in order {
-        let r = region_of[p];
-        for c in file.polygon(p) {
-            let v = file.corners[c];
-            if number[v].0 != r {
-                let vertices = (0u32..).zip(&diffusion.pieces[r as usize].disc.vertices);
-                vertices.for_each(|(i, &w)| number[w] = (r, i));
-            }
-            mesh.uv.corners[c] = first[r as usize] + number[v].1;
+    let mut number = vec![0; mesh.positions.len()];
+    for (r, piece) in (0u32..).zip(&diffusion.pieces) {
+        (mesh.uv.values.len() as u32..).zip(&piece.disc.vertices).for_each(|(i, v)| number[v.0 as usize] = i);
+        mesh.uv.values.extend((0..piece.st.len()).map(|v| piece.uv(v)));
+        for c in (0..region_of.len()).filter(|&p| region_of[p] == r).flat_map(|p| file.polygon(p)) {
+            mesh.uv.corners[c] = number[file.corners[c].0 as usize];
         }
     }
     for (p, &r) in region_of.iter().enumerate() {
@@ -127,6 +118,14 @@ fn textured(diffusion: &Diffusion, file: &MeshFile, path: &Path) -> MeshFile {
         }
     }
     mesh
+}
+
+/// The region of every polygon of a mesh's file.
+fn by_polygon(diffusion: &Diffusion, file: &MeshFile) -> Vec<u32> {
+    let mut region_of = vec![0u32; file.polygon_count()];
+    let triangles = file.triangle_polygons().into_iter().zip(&diffusion.regions.of_triangle);
+    triangles.for_each(|(p, &r)| region_of[p as usize] = r);
+    region_of
 }
 
 /// Names with spaces are not read alike everywhere.
