@@ -258,7 +258,7 @@ fn bad_input_is_refused_with_the_name_of_the_region() {
     let onto = |a: &str, b: &str, words: &[&str]| {
         files.refuses(&[&mesh, "--regions", a, "--onto", &mesh, "--onto-regions", b], 4, words);
     };
-    onto(&halves, &octants, &["octants.csv", "\"north\""]);
+    onto(&halves, &octants, &["octants.csv", "\"south\""]);
     onto(&octants, &sectors, &["sectors.csv"]);
     files.refuses(&[&mesh, "--segment", "1"], 4, &["ball.obj", "2 or more"]);
     files.refuses(&[&mesh, "--segment", "0"], 2, &["--segment"]);

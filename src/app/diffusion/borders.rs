@@ -2,6 +2,7 @@
 
 use super::disc::Disc;
 use crate::mesh::{HalfedgeId, IdVec, TriMesh, VertexId, face_of};
+use glam::DVec3;
 use std::collections::BTreeSet;
 
 /// A run of border edges from a node to the next.
@@ -111,16 +112,38 @@ fn pieces(mesh: &TriMesh, disc: &Disc, nodes: &BTreeSet<VertexId>) -> Vec<Vec<Ha
     pieces
 }
 
-/// The length of a path of vertices up to each of them.
+/// Rounds in which the teeth are taken off a path before it is measured.
+const SMOOTHINGS: usize = 4;
+/// A step counts at least this share of its length, so that no two vertices of a path come to the same place.
+const LEAST_STEP: f64 = 0.05;
+
+/// The length of a path of vertices up to each of them, without its teeth: borders zigzag with the triangles, more on one mesh
+/// or stretch of it than on another. Paths that turn one way, or not at all, keep their length.
 pub fn walked(mesh: &TriMesh, vertices: &[VertexId]) -> Vec<f64> {
-    let mut sum = 0.0;
-    let steps = vertices.windows(2).map(|w| mesh.positions[w[0]].distance(mesh.positions[w[1]]));
-    std::iter::once(0.0)
-        .chain(steps.map(|step| {
-            sum += step;
-            sum
-        }))
-        .collect()
+    let raw: Vec<DVec3> = vertices.iter().map(|&v| mesh.positions[v]).collect();
+    let mut points = raw.clone();
+    (0..SMOOTHINGS).for_each(|_| take_teeth_off(&mut points));
+    let mut walked = vec![0.0];
+    for i in 1..raw.len() {
+        let step = points[i - 1].distance(points[i]).max(LEAST_STEP * raw[i - 1].distance(raw[i]));
+        walked.push(walked[i - 1] + step);
+    }
+    walked
+}
+
+/// Moves the points where a path turns against its turns before and after half the way to the chord.
+fn take_teeth_off(points: &mut [DVec3]) {
+    let to_chord = |w: &[DVec3]| {
+        let (from, to) = (w[0].distance(w[1]), w[1].distance(w[2]));
+        if from + to > 0.0 { w[0].lerp(w[2], from / (from + to)) - w[1] } else { DVec3::ZERO }
+    };
+    let mut turns = vec![DVec3::ZERO; points.len()];
+    points.windows(3).enumerate().for_each(|(i, w)| turns[i + 1] = to_chord(w));
+    for i in 1..points.len().saturating_sub(1) {
+        if turns[i].dot(turns[i - 1] + turns[i + 1]) < 0.0 {
+            points[i] += 0.5 * turns[i];
+        }
+    }
 }
 
 /// The inner vertex of a path nearest to a share of its length; none without inner vertices.

@@ -40,6 +40,8 @@ pub struct Lookup<'a> {
 /// The vertices of a region by (s, t), and the triangles around each.
 struct Tree {
     tree: Option<ImmutableKdTree<f64, 2>>,
+    /// For every edge of the rim its triangle, and which of the triangle's corners it leaves.
+    rim: Vec<(usize, usize)>,
     start: Vec<u32>,
     triangles: Vec<u32>,
 }
@@ -94,10 +96,13 @@ impl Tree {
                 fill[v as usize] += 1;
             }
         }
-        Tree { tree: ImmutableKdTree::new_from_slice(&entries).ok(), start, triangles }
+        Tree { tree: ImmutableKdTree::new_from_slice(&entries).ok(), rim: rim(piece), start, triangles }
     }
 
     fn find(&self, piece: &Piece, p: DVec2) -> Found {
+        if let Some(found) = self.on_border(piece, p) {
+            return found;
+        }
         for count in NEAREST {
             let best = self.near(p, count).filter_map(|t| inside(piece, t, p)).next();
             if let Some(found) = best {
@@ -106,6 +111,25 @@ impl Tree {
         }
         let all = 0..piece.disc.triangles.len();
         all.clone().find_map(|t| inside(piece, t, p)).unwrap_or_else(|| nearest(piece, all, p))
+    }
+
+    /// The point of the rim for a point of the square's sides: there the sides' shares are the map, whatever lies beside them.
+    fn on_border(&self, piece: &Piece, p: DVec2) -> Option<Found> {
+        let (k, share) = match p {
+            _ if p.y == 0.0 => (0, p.x),
+            _ if p.x == 1.0 => (1, p.y),
+            _ if p.y == 1.0 => (2, 1.0 - p.x),
+            _ if p.x == 0.0 => (3, 1.0 - p.y),
+            _ => return None,
+        };
+        let side = &piece.sides[k];
+        let after = side.shares.partition_point(|&s| s < share).clamp(1, side.shares.len() - 1);
+        let (low, high) = (side.shares[after - 1], side.shares[after]);
+        let t = if high > low { ((share - low) / (high - low)).clamp(0.0, 1.0) } else { 0.0 };
+        let (triangle, corner) = *self.rim.get(side.vertices[after - 1] as usize)?;
+        let mut weights = [0.0; 3];
+        (weights[corner], weights[(corner + 1) % 3]) = (1.0 - t, t);
+        Some(Found { triangle, weights })
     }
 
     /// The triangles around the vertices nearest to a point.
@@ -119,6 +143,18 @@ impl Tree {
             self.triangles[self.start[v] as usize..self.start[v + 1] as usize].iter().map(|&t| t as usize)
         })
     }
+}
+
+/// For every edge of the rim its triangle, and which of the triangle's corners it leaves.
+fn rim(piece: &Piece) -> Vec<(usize, usize)> {
+    let n = piece.disc.rim.len() as u32;
+    let mut rim = vec![(0, 0); n as usize];
+    for (t, corners) in piece.disc.triangles.iter().enumerate() {
+        for i in (0..3).filter(|&i| corners[i] < n && corners[(i + 1) % 3] == (corners[i] + 1) % n) {
+            rim[corners[i] as usize] = (t, i);
+        }
+    }
+    rim
 }
 
 /// The weights of a point in a triangle that is not turned over; none outside.
