@@ -337,3 +337,19 @@ fn other_arrangements_are_refused_with_a_name() {
     fails(&|p| if p.x > 0.0 && p.y > 0.0 { "+++".into() } else { octant(p) }, "\"++-\"");
     fails(&|p| octant(DVec3::new(-p.x, p.y, p.z)), "\"");
 }
+
+/// Edges without length, triangles without area.
+#[test]
+fn degenerate_triangles_do_no_harm() {
+    for t in [0.0, 1e-9] {
+        let mesh = fixture::needles(&fixture::icosphere(3), 60, t);
+        let regions = segment(&mesh, 9).expect("a ball can be divided");
+        let diffusion = diffuse(&mesh, regions, REPAIRED).expect("discs");
+        for (piece, quality) in diffusion.pieces.iter().zip(&diffusion.quality) {
+            assert!(piece.st.iter().all(|p| p.is_finite()), "{}", piece.name);
+            assert!(quality.jitter.is_finite() && quality.measures.e_l2.is_finite(), "{}", piece.name);
+        }
+        let there = correspond(&diffusion, &diffusion);
+        assert!(there.positions.iter().all(|p| p.is_finite()));
+    }
+}

@@ -2,12 +2,13 @@
 
 use super::picture::Cells;
 use super::report::{ParametrizedMesh, remarks};
+use super::segment::{VARIANTS, segment_variant};
 use super::through::regions_through;
 use super::{Correspondence, Diffusion, DiffusionOptions, DiffusionReport, Ends, Output};
-use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, segment, split_ends, write};
+use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, split_ends, write};
 use crate::app::attributes::require_uv;
 use crate::app::canvas::Padding;
-use crate::app::finished_map::read_finished_map;
+use crate::app::finished_map::{FinishedMap, read_finished_map};
 use crate::app::texture::Textures;
 use crate::app::transfer::{TransferOptions, TransferReport};
 use crate::app::udim::file_of;
@@ -88,13 +89,12 @@ pub fn run(job: &DiffuseJob, compute: &dyn Fn() -> Result<Compute>) -> Result<Di
     }
     let mut clock = Clock::start();
     let loaded = inspect(read_mesh(&job.mesh)?)?;
-    let regions = regions_of(job, &loaded)?;
-    let second = job.onto.as_ref().map(|onto| load_second(onto, &loaded, &regions)).transpose()?;
+    let second = job.onto.as_ref().map(|onto| Second::load(onto, &loaded)).transpose()?;
     clock.lap("load");
-    let (first, onto) = parametrized(job, &loaded, regions, second.as_ref())?;
+    let (first, onto) = parametrized(job, &loaded, second.as_ref())?;
     clock.lap("diffuse");
     let maps = onto.as_ref().map(|onto| [correspond(&first, onto), correspond(onto, &first)]);
-    let pair = onto.as_ref().zip(second.as_ref().map(|(other, _)| &other.file));
+    let pair = onto.as_ref().zip(second.as_ref().map(|other| &other.loaded.file));
     let mut images = Vec::new();
     let mut texture = None;
     if let (Some(job), Some((onto, file))) = (&job.texture, pair) {
@@ -135,51 +135,82 @@ impl Clock {
     }
 }
 
-/// Both meshes with (u, v).
+/// The second mesh, and where its regions come from.
+struct Second {
+    loaded: LoadedMesh,
+    regions: SecondRegions,
+}
+
+enum SecondRegions {
+    Read(Regions),
+    Through(Box<FinishedMap>, PathBuf),
+}
+
+impl Second {
+    fn load(onto: &Onto, first: &LoadedMesh) -> Result<Self> {
+        match onto {
+            Onto::Regions { mesh, regions } => {
+                let loaded = inspect(read_mesh(mesh)?)?;
+                let regions = SecondRegions::Read(read_regions(regions, &loaded.file)?);
+                Ok(Second { loaded, regions })
+            }
+            Onto::Map(dir) => {
+                let map = read_finished_map(dir, [Some(&first.file.path), None])?;
+                let loaded = inspect(map.meshes[1].clone())?;
+                Ok(Second { loaded, regions: SecondRegions::Through(Box::new(map), dir.clone()) })
+            }
+        }
+    }
+
+    /// The regions that correspond to those of the first mesh.
+    fn regions(&self, first: &Regions) -> Regions {
+        match &self.regions {
+            SecondRegions::Read(regions) => regions.clone(),
+            SecondRegions::Through(map, dir) => Regions { path: dir.clone(), ..regions_through(map, first) },
+        }
+    }
+}
+
+/// Both meshes with (u, v). Regions that are made, and do not fit on the second mesh (where borders are short, a map can let
+/// other regions touch), are made anew around other points, as long as there are some.
 fn parametrized<'m>(
     job: &DiffuseJob,
     loaded: &'m LoadedMesh,
+    second: Option<&'m Second>,
+) -> Result<(Diffusion<'m>, Option<Diffusion<'m>>)> {
+    let count = match &job.regions {
+        RegionSource::File(path) => return both(job, loaded, read_regions(path, &loaded.file)?, second),
+        RegionSource::Segment(count) => *count,
+    };
+    let attempt = |variant: usize| {
+        let regions = segment_variant(&loaded.mesh, count, variant).map_err(|e| e.file(&job.mesh))?;
+        both(job, loaded, Regions { path: job.mesh.clone(), ..regions }, second)
+    };
+    let first = attempt(0);
+    if first.is_ok() || !second.is_some_and(|s| matches!(s.regions, SecondRegions::Through(..))) {
+        return first;
+    }
+    (1..VARIANTS).map(attempt).find(Result::is_ok).unwrap_or(first)
+}
+
+/// Both meshes with (u, v), given the regions of the first.
+fn both<'m>(
+    job: &DiffuseJob,
+    loaded: &'m LoadedMesh,
     regions: Regions,
-    second: Option<&'m (LoadedMesh, Regions)>,
+    second: Option<&'m Second>,
 ) -> Result<(Diffusion<'m>, Option<Diffusion<'m>>)> {
     let halved = |mesh: &TriMesh, regions: &Regions, like: Option<&Ends>| match job.split_ends {
         true => split_ends(mesh, regions, like),
         false => (regions.clone(), Ends::new()),
     };
-    let (regions, ends) = halved(&loaded.mesh, &regions, None);
-    let first = diffuse(&loaded.mesh, regions, job.options)?;
-    let Some((other, regions)) = second else { return Ok((first, None)) };
-    let (regions, _) = halved(&other.mesh, regions, Some(&ends));
-    let onto = diffuse_like(&first, &other.mesh, regions, job.options)?;
+    let (own, ends) = halved(&loaded.mesh, &regions, None);
+    let first = diffuse(&loaded.mesh, own, job.options)?;
+    let Some(second) = second else { return Ok((first, None)) };
+    let mesh = &second.loaded.mesh;
+    let (regions, _) = halved(mesh, &second.regions(&regions), Some(&ends));
+    let onto = diffuse_like(&first, mesh, regions, job.options)?;
     Ok((first, Some(onto)))
-}
-
-/// The regions of the first mesh.
-fn regions_of(job: &DiffuseJob, loaded: &LoadedMesh) -> Result<Regions> {
-    match &job.regions {
-        RegionSource::File(path) => read_regions(path, &loaded.file),
-        RegionSource::Segment(count) => {
-            let regions = segment(&loaded.mesh, *count).map_err(|e| e.file(&job.mesh))?;
-            Ok(Regions { path: job.mesh.clone(), ..regions })
-        }
-    }
-}
-
-/// The second mesh and its regions.
-fn load_second(onto: &Onto, first: &LoadedMesh, regions: &Regions) -> Result<(LoadedMesh, Regions)> {
-    match onto {
-        Onto::Regions { mesh, regions } => {
-            let loaded = inspect(read_mesh(mesh)?)?;
-            let regions = read_regions(regions, &loaded.file)?;
-            Ok((loaded, regions))
-        }
-        Onto::Map(dir) => {
-            let map = read_finished_map(dir, [Some(&first.file.path), None])?;
-            let regions = regions_through(&map, regions);
-            let [_, target] = map.meshes;
-            Ok((inspect(target)?, Regions { path: dir.clone(), ..regions }))
-        }
-    }
 }
 
 /// Carries the image into the second mesh's texture coordinates, or into an atlas of its regions.
@@ -218,7 +249,10 @@ fn report(
     seconds: BTreeMap<&'static str, f64>,
 ) -> DiffusionReport {
     let described = |(file, diffusion): (&MeshFile, &Diffusion)| {
-        (ParametrizedMesh::new(diffusion, file), remarks(diffusion, &file.path.display().to_string()))
+        (
+            ParametrizedMesh::new(diffusion, file),
+            remarks(diffusion, &file.path.display().to_string(), job.options.repair),
+        )
     };
     let (mesh, mut warnings) = described(output.mesh);
     let onto = output.onto.map(|onto| {

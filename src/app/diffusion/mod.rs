@@ -107,7 +107,7 @@ pub fn diffuse(mesh: &TriMesh, regions: Regions, options: DiffusionOptions) -> R
     let sides: Vec<_> = (0..discs.len()).map(|r| outline::sides_of(mesh, &borders, r, &corners[r])).collect();
     let shares: Vec<NodeShares> = sides.iter().map(|s| outline::shares_by_length(mesh, &borders, s)).collect();
     let draft = Draft { mesh, regions, discs, corners, shares, completions };
-    draft.finish(&borders, options)
+    Ok(draft.finish(&borders, options))
 }
 
 /// Parametrizes a second mesh like a first one with the same regions: corners and the shares at nodes correspond.
@@ -132,7 +132,7 @@ pub fn diffuse_like<'m>(
     nodes.extend(corners.iter().flat_map(|c| c.at));
     let borders = Borders::new(mesh, &discs, &nodes);
     let draft = Draft { mesh, regions, discs, corners, shares: first.shares.clone(), completions: Vec::new() };
-    let mut diffusion = draft.finish(&borders, options)?;
+    let mut diffusion = draft.finish(&borders, options);
     if is_symmetric {
         let text = "the regions fit onto each other in several ways; the one whose corners lie most alike was taken: give sides to decide it";
         diffusion.warnings.push(text.to_owned());
@@ -204,9 +204,9 @@ struct Draft<'m> {
 }
 
 impl<'m> Draft<'m> {
-    fn finish(self, borders: &Borders, options: DiffusionOptions) -> Result<Diffusion<'m>> {
+    fn finish(self, borders: &Borders, options: DiffusionOptions) -> Diffusion<'m> {
         let Draft { mesh, regions, discs, corners, shares, completions } = self;
-        let one = |(r, disc): (usize, Disc)| -> Result<(Piece, Quality)> {
+        let one = |(r, disc): (usize, Disc)| -> (Piece, Quality) {
             let ways = outline::sides_of(mesh, borders, r, &corners[r]);
             let sides = outline::with_shares(mesh, &disc, borders, &ways, &shares[r]);
             let st = square::square(mesh, &disc, &sides, options.travel);
@@ -214,13 +214,13 @@ impl<'m> Draft<'m> {
             let mut piece = Piece { name, disc, sides, st, mirrored, repaired: false };
             let mut quality = quality::quality(mesh, &piece);
             if options.repair && quality.measures.flips > 0 {
-                repair::repair(mesh, &mut piece)?;
+                repair::repair(mesh, &mut piece);
                 quality = quality::quality(mesh, &piece);
             }
-            Ok((piece, quality))
+            (piece, quality)
         };
-        let made: Result<Vec<(Piece, Quality)>> = discs.into_par_iter().enumerate().map(one).collect();
-        let (pieces, quality) = made?.into_iter().unzip();
-        Ok(Diffusion { mesh, regions, pieces, quality, completions, warnings: Vec::new(), corners, shares })
+        let made: Vec<(Piece, Quality)> = discs.into_par_iter().enumerate().map(one).collect();
+        let (pieces, quality) = made.into_iter().unzip();
+        Diffusion { mesh, regions, pieces, quality, completions, warnings: Vec::new(), corners, shares }
     }
 }

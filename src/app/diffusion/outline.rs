@@ -35,7 +35,12 @@ pub fn shares_by_length(mesh: &TriMesh, borders: &Borders, sides: &[Vec<Way>; 4]
         }
         let total = shares[shares.len() - 1];
         let count = shares.len();
-        let share = |(i, s): (usize, f64)| if i + 1 == count { 1.0 } else { s / total };
+        // A side without length is walked in equal steps.
+        let share = |(i, s): (usize, f64)| match i + 1 {
+            last if last == count => 1.0,
+            _ if total > 0.0 => s / total,
+            _ => i as f64 / (count - 1) as f64,
+        };
         shares.into_iter().enumerate().map(share).collect()
     })
 }

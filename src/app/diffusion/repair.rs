@@ -5,7 +5,6 @@
 
 use super::piece::Piece;
 use super::square::pin;
-use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
 use crate::plane::convex::embed_patch;
 use crate::plane::patch_disc::PatchDisc;
@@ -14,22 +13,19 @@ use glam::DVec2;
 use std::collections::{HashMap, HashSet};
 
 /// Gives a region new coordinates, those of its sides excepted. Triangles of pockets stay flat, all others are positive.
-///
-/// # Errors
-/// A bug, if no weights give positive triangles.
-pub fn repair(mesh: &TriMesh, piece: &mut Piece) -> Result<()> {
-    pin(&piece.sides, &mut piece.st);
+/// If no weights give positive triangles in floating point the region stays as it is.
+pub fn repair(mesh: &TriMesh, piece: &mut Piece) {
     let (vertices, mut disc) = without_pockets(piece);
     let points: Vec<_> = disc.vertices.iter().map(|&v| mesh.positions[v]).collect();
     let size = piece.size(mesh);
     let frame = Frame { first: DVec2::new(size.x, 0.0), second: DVec2::new(0.0, size.y) };
-    embed_patch(&mut disc, &points, &frame)
-        .ok_or_else(|| Error::bug(format!("region \"{}\" cannot be embedded", piece.name)))?;
+    if embed_patch(&mut disc, &points, &frame).is_none() {
+        return;
+    }
     vertices.iter().zip(&disc.positions).for_each(|(&v, &p)| piece.st[v as usize] = p);
     lay_flat(piece, &vertices);
     pin(&piece.sides, &mut piece.st);
     piece.repaired = true;
-    Ok(())
 }
 
 /// The region without its pockets as a patch, and the region's number of each of its vertices.

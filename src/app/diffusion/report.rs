@@ -94,8 +94,8 @@ impl ParametrizedMesh {
     }
 }
 
-/// Sentences about what a mesh's parametrization is not.
-pub fn remarks(diffusion: &Diffusion, name: &str) -> Vec<String> {
+/// Sentences about what a mesh's parametrization is not; `repair` says whether folds were to be repaired.
+pub fn remarks(diffusion: &Diffusion, name: &str, repair: bool) -> Vec<String> {
     let mut remarks: Vec<String> = diffusion.warnings.iter().map(|w| format!("{name}: {w}")).collect();
     let folding: Vec<String> = diffusion
         .pieces
@@ -106,9 +106,8 @@ pub fn remarks(diffusion: &Diffusion, name: &str) -> Vec<String> {
         .collect();
     if !folding.is_empty() {
         let list = folding.join(", ");
-        remarks.push(format!(
-            "{name}: triangles are folded or flat in (u, v): {list}; --repair embeds these regions anew"
-        ));
+        let remedy = if repair { "they cannot be embedded anew" } else { "--repair embeds these regions anew" };
+        remarks.push(format!("{name}: triangles are folded or flat in (u, v): {list}; {remedy}"));
     }
     let repaired: Vec<String> =
         diffusion.pieces.iter().filter(|p| p.repaired).map(|p| format!("\"{}\"", p.name)).collect();

@@ -14,16 +14,24 @@ use crate::path::front::front;
 /// Rounds of moving faces that jut out over to the neighbour; borders settle after a few.
 const SMOOTHINGS: usize = 8;
 
+/// How many segmentations there are to choose from.
+pub const VARIANTS: usize = 16;
+
 /// Divides a mesh into `count` regions that are discs, named `region-1` and so on.
 ///
 /// # Errors
 /// Unsolvable, if the surface needs more regions than that; usage, for none at all.
 pub fn segment(mesh: &TriMesh, count: usize) -> Result<Regions> {
+    segment_variant(mesh, count, 0)
+}
+
+/// The same around other points: the first one of a variant other than 0 lies anywhere.
+pub fn segment_variant(mesh: &TriMesh, count: usize, variant: usize) -> Result<Regions> {
     if count == 0 {
         return Err(Error::usage("no regions to make").remedy("use --segment with a number from 1 on"));
     }
     let pieces = mesh.conn.components().iter().max().map_or(1, |&last| last as usize + 1);
-    let sites = sites(mesh, count.max(pieces));
+    let sites = sites(mesh, count.max(pieces), variant);
     let mut fewest = usize::MAX;
     let mut wanted = count;
     while wanted >= pieces.max(1) {
@@ -41,14 +49,15 @@ pub fn segment(mesh: &TriMesh, count: usize) -> Result<Regions> {
 }
 
 /// Vertices, each where the fronts from the earlier ones arrive last; components without one come first.
-fn sites(mesh: &TriMesh, count: usize) -> Vec<VertexId> {
-    let Some(first) = mesh.conn.vertices().find(|&v| mesh.conn.leaving(v).is_some()) else { return Vec::new() };
+fn sites(mesh: &TriMesh, count: usize, variant: usize) -> Vec<VertexId> {
+    let used: Vec<VertexId> = mesh.conn.vertices().filter(|&v| mesh.conn.leaving(v).is_some()).collect();
+    let Some(&first) = used.get(variant * used.len() / VARIANTS) else { return Vec::new() };
     let farthest = |sites: &[VertexId]| {
         let reached = front(mesh, sites).distance;
         let farther = |f: &FaceId, g: &FaceId| reached[*f].total_cmp(&reached[*g]).then(g.cmp(f));
         mesh.conn.faces().max_by(farther).map_or(first, |f| mesh.face(f)[0])
     };
-    let mut sites = vec![farthest(&[first])];
+    let mut sites = vec![if variant == 0 { farthest(&[first]) } else { first }];
     while sites.len() < count {
         sites.push(farthest(&sites));
     }
