@@ -137,12 +137,8 @@ fn across(at_v: f64, at_w: f64, known: f64, s: &Spoke, inverse: f64) -> f64 {
         return known; // nearer than the side's line
     }
     let slope = (at_w - at_v) * inverse;
-    let rest = 1.0 - slope * slope;
-    // Phrased so that infinite distances fail.
-    if !(rest > 0.0) {
-        return known;
-    }
-    let cosine = rest.sqrt();
+    // Not a number where the front is steeper than it can be, or one end is infinitely far: then the tests fail.
+    let cosine = (1.0 - slope * slope).sqrt();
     let foot = s.dot * cosine - s.area * slope;
     if foot > 0.0 && foot * inverse * inverse < cosine {
         at_v + (s.dot * slope + s.area * cosine) * inverse

@@ -100,7 +100,7 @@ impl Borders {
 /// A rim cut at the nodes on it.
 fn pieces(mesh: &TriMesh, disc: &Disc, nodes: &BTreeSet<VertexId>) -> Vec<Vec<HalfedgeId>> {
     let is_node = |h: &HalfedgeId| nodes.contains(&mesh.conn.from(*h));
-    let first = disc.rim.iter().position(|h| is_node(h)).unwrap_or(0);
+    let first = disc.rim.iter().position(is_node).unwrap_or(0);
     let mut pieces: Vec<Vec<HalfedgeId>> = Vec::new();
     for i in 0..disc.rim.len() {
         let h = disc.rim[(first + i) % disc.rim.len()];

@@ -160,11 +160,9 @@ fn rim(piece: &Piece) -> Vec<(usize, usize)> {
 /// The weights of a point in a triangle that is not turned over; none outside.
 fn inside(piece: &Piece, triangle: usize, p: DVec2) -> Option<Found> {
     let corners = piece.disc.triangles[triangle].map(|v| piece.st[v as usize]);
-    if !(metric::signed_area(corners) > 0.0) {
-        return None;
-    }
     let weights = metric::barycentric(corners, p);
-    weights.iter().all(|&w| w >= -TOLERANCE).then(|| Found { triangle, weights: clamped(weights) })
+    let is_inside = metric::signed_area(corners) > 0.0 && weights.iter().all(|&w| w >= -TOLERANCE);
+    is_inside.then(|| Found { triangle, weights: clamped(weights) })
 }
 
 fn clamped(weights: [f64; 3]) -> [f64; 3] {
