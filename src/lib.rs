@@ -41,7 +41,9 @@
 //! They stand in [`app`]. [`app::rebuild`] reads a geometry image back as a mesh: pixels that sample one point become one
 //! vertex, by the tile table in the image and never by position, so the mesh is as closed as the surface. [`app::bake`] draws a
 //! mesh's values in its own texture coordinates, [`app::transfer`] an image of one mesh in those of the other, and
-//! [`app::morph`] puts finished maps into one file as morph targets.
+//! [`app::morph`] puts finished maps into one file as morph targets. [`app::diffusion`] gives the regions of a mesh coordinates
+//! by fronts from their sides ([`path::side_front`]), and maps equal regions of two meshes onto each other.
+//! [`picture::render`] draws previews.
 //!
 //! # Who may import whom
 //!
@@ -95,6 +97,8 @@
 //! | canonical order | vertices and faces along a space-filling curve: ties are decided alike whatever order they came in |
 //! | map | source patch -> base triangle -> target patch |
 //! | compatible mesh | one mesh's vertices and faces at the other's shape |
+//! | side, corner | of a region with coordinates: u or v is 0 or 1 on a side, both are at a corner |
+//! | fold, pinned triangle | turned over in (u, v); without room beside a straight side |
 //! | atlas, tile | the squares over which both meshes are sampled; a tile holds two patches, or one |
 //!
 //! # Measures
@@ -113,6 +117,10 @@
 //!   nodes, the order of arcs.
 //! - HYPOTHESIS: Pan, Wu, Pan, Yang, "A novel scheme for efficient cross-parameterization": swirls, path hypotheses,
 //!   relaxation in the quad of two patches, active refinement.
+//! - DIFFUSION: Schmidt, Guthe, Blanz, "Diffusion-based parametrization of surfaces on 3D-meshes": fronts from the sides of
+//!   regions, (u, v) by ratios of distances.
+//! - Bornemann, Rasch, "Finite-element discretization of static Hamilton-Jacobi equations based on a local variational
+//!   principle" (2006): fronts across faces.
 //! - Kraevoy, Sheffer, "Cross-parameterization and compatible remeshing of 3D models" (2004), and Praun, Sweldens,
 //!   Schröder, "Consistent mesh parameterizations" (2001): maps through a common base complex.
 //! - Floater, "Mean value coordinates" (2003), and Tutte, "How to draw a graph" (1963): embeddings by positive weights.

@@ -23,7 +23,7 @@ const NARROWER: [(&str, &[&str]); 2] =
     [("shape", &["error", "mesh"]), ("map", &["error", "mesh", "path", "plane", "solve"])];
 
 /// Outside crates and the parts of `src/` that may name them.
-const DOORS: [(&str, &[&str]); 12] = [
+const DOORS: [(&str, &[&str]); 13] = [
     ("wgpu", &["gpu"]),
     ("pollster", &["gpu"]),
     ("naga", &["gpu"]),
@@ -36,6 +36,7 @@ const DOORS: [(&str, &[&str]); 12] = [
     ("postcard", &["map"]),
     ("tobj", &["mesh/io"]),
     ("gltf_json", &["mesh/io/gltf"]),
+    ("kiddo", &["app/diffusion"]),
 ];
 
 /// A line that breaks a rule.

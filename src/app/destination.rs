@@ -1,6 +1,6 @@
 //! Where the texels of a carried image lie on the target: in its own texture coordinates, or in the common atlas.
 
-use super::uv::{Tile, UvTriangles};
+use super::uv::UvTriangles;
 use crate::error::{Error, Result};
 use crate::map::atlas::{Atlas, Corner, Half};
 use crate::map::charts::ChartedMesh;
@@ -43,14 +43,9 @@ impl<'a> Destination<'a> {
         Ok(Destination { uv, atlas: Some((charted, pieces)) })
     }
 
-    /// The tiles of texture space with triangles.
-    pub fn tiles(&self) -> Vec<Tile> {
-        self.uv.tiles()
-    }
-
-    /// The triangles as seen from a tile.
-    pub fn seen_from(&self, tile: Tile) -> Vec<[DVec2; 3]> {
-        self.uv.seen_from(tile)
+    /// Where the triangles lie.
+    pub fn uv(&self) -> &UvTriangles {
+        &self.uv
     }
 
     /// The own texture coordinates, unless the atlas stands in for them.

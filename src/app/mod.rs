@@ -1,5 +1,5 @@
 //! Jobs beside the main one that reuse the rooms below: baking maps into a mesh's own texture coordinates, carrying images
-//! through a finished map, reading geometry images back as meshes, morphs.
+//! through a finished map, reading geometry images back as meshes, morphs, diffusion parametrization.
 
 pub mod atlas_mesh;
 pub mod attributes;
@@ -8,6 +8,7 @@ pub mod canvas;
 pub mod carry_values;
 pub mod constrained;
 pub mod destination;
+pub mod diffusion;
 pub mod finished_map;
 mod frames;
 mod gutter;

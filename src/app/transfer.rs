@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::gpu::Compute;
 use crate::kernel::{NO_TRIANGLE, Texel};
 use crate::map::charts::Charts;
-use crate::map::transport::{Transport, reference_points};
+use crate::map::transport::{Arrival, Transport, reference_points};
 use crate::mesh::io::MeshFile;
 use crate::picture::{Picture, file::format_for};
 use crate::stage::write::OutputFile;
@@ -87,54 +87,76 @@ pub fn carry(
     journey: Journey,
     every_tile: bool,
     options: &TransferOptions,
-    mut take: impl FnMut(Tile, Picture) -> Result<()>,
+    take: impl FnMut(Tile, Picture) -> Result<()>,
 ) -> Result<TransferReport> {
     let Journey { meshes, charts, textures, destination } = journey;
-    let size = options.size.unwrap_or(textures.largest_side());
-    check_size(size)?;
     let source = UvTriangles::of(meshes[0]);
     let points = reference_points(&charts.meshes[0]);
     let frames = destination.own().filter(|_| options.normal_map).map(|own| Frames::new(meshes, [&source, own]));
     let transport = Transport::new(charts, 1, &points);
-    let carrier = Carrier { transport, source: &source, destination, textures, frames };
-    let mut report = TransferReport::default();
-    for tile in if every_tile { destination.tiles() } else { vec![[0, 0]] } {
-        let seen = destination.seen_from(tile);
-        let canvas = Canvas::new(size, size, &seen);
-        let mut pixels = Vec::with_capacity(size * size);
-        canvas.bands(compute, options.padding, |band| {
-            let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| carrier.shown(&canvas, t)).collect();
-            let inside = || band.texels.iter().zip(&shown).filter(|(t, _)| t.covers > 0);
-            report.covered += inside().count();
-            report.unfilled += inside().filter(|(_, colour)| colour.is_none()).count();
-            pixels.extend(shown.into_iter().map(Option::unwrap_or_default));
-            Ok(())
-        })?;
-        take(
-            tile,
-            Picture { width: size, height: size, channels: textures.channels(), depth: textures.depth(), pixels },
-        )?;
+    let way = |triangle: u32, weights: [f64; 3]| destination.image(&transport, triangle, weights);
+    let carriage = Carriage { source: &source, onto: destination.uv(), textures, way: &way, frames };
+    carriage.draw(compute, every_tile, options, take)
+}
+
+/// Gives the point of the source for a point of a triangle of the target.
+pub type Way<'a> = &'a (dyn Fn(u32, [f64; 3]) -> Option<Arrival> + Sync);
+
+/// Everything that an image of the target follows from.
+pub struct Carriage<'a> {
+    /// The source's texture coordinates.
+    pub source: &'a UvTriangles,
+    /// Where the target's texels lie.
+    pub onto: &'a UvTriangles,
+    /// The source's image.
+    pub textures: &'a Textures,
+    /// The map.
+    pub way: Way<'a>,
+    /// Both meshes' tangent frames, for an image of normals.
+    pub frames: Option<Frames>,
+}
+
+impl Carriage<'_> {
+    /// Makes the target's image, or one for `every_tile`, and hands them over one by one.
+    ///
+    /// # Errors
+    /// Those of `take`; usage, for a size out of range.
+    pub fn draw(
+        &self,
+        compute: &Compute,
+        every_tile: bool,
+        options: &TransferOptions,
+        mut take: impl FnMut(Tile, Picture) -> Result<()>,
+    ) -> Result<TransferReport> {
+        let textures = self.textures;
+        let size = options.size.unwrap_or(textures.largest_side());
+        check_size(size)?;
+        let mut report = TransferReport::default();
+        for tile in if every_tile { self.onto.tiles() } else { vec![[0, 0]] } {
+            let seen = self.onto.seen_from(tile);
+            let canvas = Canvas::new(size, size, &seen);
+            let mut pixels = Vec::with_capacity(size * size);
+            canvas.bands(compute, options.padding, |band| {
+                let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| self.shown(&canvas, t)).collect();
+                let inside = || band.texels.iter().zip(&shown).filter(|(t, _)| t.covers > 0);
+                report.covered += inside().count();
+                report.unfilled += inside().filter(|(_, colour)| colour.is_none()).count();
+                pixels.extend(shown.into_iter().map(Option::unwrap_or_default));
+                Ok(())
+            })?;
+            let (channels, depth) = (textures.channels(), textures.depth());
+            take(tile, Picture { width: size, height: size, channels, depth, pixels })?;
+        }
+        Ok(report)
     }
-    Ok(report)
-}
 
-/// Everything a texel needs.
-struct Carrier<'a> {
-    transport: Transport<'a>,
-    source: &'a UvTriangles,
-    destination: &'a Destination<'a>,
-    textures: &'a Textures,
-    frames: Option<Frames>,
-}
-
-impl Carrier<'_> {
     /// What a texel of the target shows of the source's image.
     fn shown(&self, canvas: &Canvas, texel: &Texel) -> Option<[f32; 4]> {
         if texel.triangle == NO_TRIANGLE {
             return None;
         }
         let weights = texel.weights().map(f64::from);
-        let arrival = self.destination.image(&self.transport, texel.triangle, weights)?;
+        let arrival = (self.way)(texel.triangle, weights)?;
         let corners = self.source.corners[arrival.face as usize];
         let uv: DVec2 = corners.iter().zip(arrival.b).map(|(&c, b)| c * b).sum();
         if !uv.is_finite() {

@@ -81,8 +81,8 @@ pub enum Command {
     Devices,
     /// Texture coordinates that put vertices exactly where you want them on an image, without a fold
     Texture(TextureArgs),
-    /// Diffusion parametrization of regions (comes with a later version)
-    Diffuse(Later),
+    /// Parametrize regions by pairs of fronts, and map them onto the same regions of another mesh
+    Diffuse(DiffuseArgs),
     /// Bake a map of a mesh into its own texture coordinates, or read a geometry image back as a mesh
     Bake(BakeArgs),
     /// Carry an image of the source through a finished map to the target
@@ -274,6 +274,56 @@ pub struct TransferArgs {
     /// Where the target is now, if not where it was mapped
     #[arg(long, value_name = "FILE")]
     pub target: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
+pub struct DiffuseArgs {
+    /// The mesh
+    pub mesh: PathBuf,
+    /// Its regions: JSON `{"regions": [{"name": "torso", "faces": [faces], "sides": {"u0": [vertices], "u1": [], "v0": [],
+    /// "v1": []}}]}` (sides may be left out), CSV `face,region`, or an OBJ file with materials, groups or objects; `materials`,
+    /// `groups` or `objects` for those of MESH itself. Faces and vertices are counted from 0
+    #[arg(long, value_name = "FILE", required_unless_present = "segment", conflicts_with = "segment")]
+    pub regions: Option<PathBuf>,
+    /// Make N regions instead, around points as far apart as can be
+    #[arg(long, value_name = "N")]
+    pub segment: Option<usize>,
+    /// Divide the ends of limbs (regions with one neighbour all around) and tubes (regions with two borders) in halves
+    #[arg(long)]
+    pub split_ends: bool,
+    /// How fronts move: across faces, or along edges as in the paper
+    #[arg(long, default_value = "face", value_name = "HOW")]
+    pub front: FrontChoice,
+    /// Embed regions anew, without folds, where fronts fold them
+    #[arg(long)]
+    pub repair: bool,
+    /// A second mesh with the same regions, to be mapped onto
+    #[arg(long, value_name = "MESH2", requires = "onto_regions", conflicts_with = "onto_map")]
+    pub onto: Option<PathBuf>,
+    /// Its regions
+    #[arg(long, value_name = "FILE2", requires = "onto")]
+    pub onto_regions: Option<PathBuf>,
+    /// Or the folder of a finished map of MESH: its target is the second mesh, and gets the same regions through the map
+    #[arg(long, value_name = "DIR")]
+    pub onto_map: Option<PathBuf>,
+    /// An image in the texture coordinates of MESH, to be carried to the second mesh
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
+    /// Texels along a side of the second mesh's image; default: as the first one's
+    #[arg(long, value_name = "N", requires = "texture")]
+    pub size: Option<usize>,
+    /// Texels to fill around what triangles cover: a number or `infinite`
+    #[arg(long, default_value = "16", value_name = "N|infinite", value_parser = padding)]
+    pub padding: Padding,
+    /// Folder for the results; appears complete or not at all
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FrontChoice {
+    Edge,
+    Face,
 }
 
 #[derive(Args, Debug)]

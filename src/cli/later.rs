@@ -6,9 +6,9 @@ use crate::error::{Error, Result};
 /// Fails for a command that comes later.
 pub fn refuse_command(command: &Command) -> Result<()> {
     let name = match command {
-        Command::Diffuse(_) => "diffuse",
         Command::Batch(_) => "batch",
         Command::Demo(_)
+        | Command::Diffuse(_)
         | Command::Transfer(_)
         | Command::Bake(_)
         | Command::Map(_)

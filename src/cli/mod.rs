@@ -6,6 +6,7 @@ mod check;
 mod console;
 mod demo;
 mod devices;
+mod diffuse;
 mod later;
 mod map;
 mod measure;
@@ -55,6 +56,7 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
         Command::Check(args) => check::run(args, console),
         Command::Measure(args) => measure::run(args, console),
         Command::Morph(args) => morph::run(args, console),
+        Command::Diffuse(args) => diffuse::run(args, &cli.global, console),
         Command::Devices => devices::run(&cli.global, console),
         Command::Transfer(args) => transfer::run(args, &cli.global, console),
         Command::Bake(args) => match &args.rebuild {
@@ -62,7 +64,7 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
             None => bake::run(args, &cli.global, console),
         },
         Command::Texture(args) => texture::run(args, &cli.global, console),
-        Command::Diffuse(_) | Command::Batch(_) => {
+        Command::Batch(_) => {
             unreachable!("refused above")
         }
     }

@@ -1,6 +1,7 @@
 //! Curves on surfaces: fronts, clusters, shortest paths over edge nodes, the cut mesh, regions between arcs.
 
 pub mod base_complex;
+pub mod bucket;
 pub mod closing;
 pub mod cluster;
 pub mod corner_distance;
@@ -23,4 +24,5 @@ pub mod region;
 pub mod rim;
 pub mod search;
 pub mod side;
+pub mod side_front;
 pub mod subcomplex;

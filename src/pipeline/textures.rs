@@ -88,7 +88,7 @@ fn carried(
     let destination = Destination::of(meshes[1], &charts.meshes[1], atlas)?;
     let extension = if textures.depth() == Depth::Float { "exr" } else { "png" };
     // A target whose texture coordinates lie in several tiles gets an image for each.
-    let several = destination.tiles().len() > 1;
+    let several = destination.uv().tiles().len() > 1;
     let name =
         if several { format!("target_texture.<UDIM>.{extension}") } else { format!("target_texture.{extension}") };
     let name = Path::new(&name);

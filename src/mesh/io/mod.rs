@@ -17,6 +17,7 @@ pub mod obj_write;
 mod off;
 mod off_binary;
 mod ply;
+mod regions;
 mod scan;
 mod stl;
 pub mod vertex_table;
@@ -28,6 +29,7 @@ pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
 pub use normals::vertex_normals;
 pub use obj_write::write_obj;
+pub use regions::{Region, Regions, SIDES, parse_regions, read_regions};
 pub use vertex_table::{VertexTable, read_vertex_table, write_vertex_table};
 
 use crate::{Error, Result};

@@ -93,6 +93,12 @@ impl Camera {
         camera
     }
 
+    /// Width by height of what the scene covers of the picture.
+    pub fn aspect(&self) -> f64 {
+        let extent = self.high - self.low;
+        if extent.y > 0.0 { extent.x / extent.y } else { 1.0 }
+    }
+
     /// The direction from the scene to the viewer, as seen from a point.
     pub(super) fn towards(&self, p: DVec3) -> DVec3 {
         if self.distance.is_finite() {

@@ -70,6 +70,6 @@ impl Stroke {
         let length_sq = way.length_squared();
         let t = if length_sq > 0.0 { ((p - a.at).dot(way) / length_sq).clamp(0.0, 1.0) } else { 0.0 };
         let is_on = p.distance_squared(a.at + way * t) <= self.radius * self.radius;
-        is_on.then(|| a.nearness + (b.nearness - a.nearness) * t)
+        is_on.then_some(a.nearness + (b.nearness - a.nearness) * t)
     }
 }
