@@ -97,7 +97,7 @@ fn wrong_arguments_are_one_line_and_exit_2() {
 
 #[test]
 fn what_comes_later_is_refused_and_says_so() {
-    for command in ["texture", "batch"] {
+    for command in ["batch"] {
         refuses(&[command], 2, &[command, "comes with a later version"]);
         refuses(&[command, "some.obj", "--frames", "3"], 2, &[command, "comes with a later version"]);
     }

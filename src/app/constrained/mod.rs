@@ -81,9 +81,13 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
         if walk::walk(&mut refined.sheet, compute)? || k > WARPS {
             break;
         }
+        let weight = vec![1.0; refined.sheet.triangles.len()];
+        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: ROUNDS })?;
         let most = if k < WARPS { SWAPS } else { usize::MAX };
         // Where features have crowded triangles beyond what can be told apart, those before the walk still can be.
-        let (warped, swaps) = warp_sheet(&refined, most).or_else(|_| warp_sheet(&before, most))?;
+        let attempts = [(&refined, most), (&before, most), (&refined, 1), (&before, 1), (&refined, 4 * SWAPS)];
+        let warped = attempts.into_iter().find_map(|(from, most)| warp_sheet(from, most).ok());
+        let (warped, swaps) = warped.ok_or_else(network::too_fine)?;
         refined = warped;
         report.warps += 1;
         report.swaps += swaps;
@@ -97,14 +101,16 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
     Ok((refined, report))
 }
 
-/// Relaxes with more say for triangles near features; with the same for all if the whole gets worse for it.
+/// Relaxes with more say for triangles near features; with the same for all if the whole gets worse for it, and not at all
+/// if that is no better.
 fn smooth(sheet: &mut Sheet, compute: &Compute) -> Result<()> {
     let before = sheet.clone();
-    relax(sheet, compute, &Relaxation { weight: &near_features(sheet), rounds: LAST_ROUNDS })?;
-    if stretch_of(sheet) > stretch_of(&before) {
-        *sheet = before;
-        let even = vec![1.0; sheet.triangles.len()];
-        relax(sheet, compute, &Relaxation { weight: &even, rounds: LAST_ROUNDS })?;
+    for weight in [near_features(sheet), vec![1.0; sheet.triangles.len()]] {
+        relax(sheet, compute, &Relaxation { weight: &weight, rounds: LAST_ROUNDS })?;
+        if stretch_of(sheet) <= stretch_of(&before) {
+            return Ok(());
+        }
+        sheet.uv.clone_from(&before.uv);
     }
     Ok(())
 }
