@@ -14,9 +14,9 @@ use glam::DVec2;
 /// Steps at most.
 const STEPS: usize = 40;
 /// A step that goes a smaller share of what was asked is a slow one.
-const SLOW: f64 = 0.2;
+const SLOW: f64 = 0.05;
 /// So many slow steps end the walk, and creeping begins.
-const PATIENCE: usize = 1;
+const PATIENCE: usize = 3;
 /// The first step asks for this share of the ways, and no later one for less than the second.
 const SHARES: [f64; 2] = [1.0, 0.08];
 /// The largest share of the ways that a step asks for in which features swerve.
