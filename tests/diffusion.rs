@@ -86,6 +86,25 @@ fn a_rectangle_has_u_and_v_proportional_to_x_and_y() {
     }
 }
 
+/// Sides may be left-handed, and leave corners out: then those are in the middle of the gaps.
+#[test]
+fn given_sides_may_be_mirrored_and_have_gaps() {
+    let mesh = grid(6, 6);
+    let mut regions = one_region(&mesh, 6, 6);
+    let sides = regions.list[0].sides.as_mut().expect("sides are given");
+    sides.swap(0, 1);
+    sides.iter_mut().for_each(|side| *side = side[1..side.len() - 1].to_vec());
+    let diffusion = diffuse(&mesh, regions.clone(), FACES).expect("a disc with four sides");
+    let expected = |v: VertexId| DVec2::new(6.0 - mesh.positions[v].x, mesh.positions[v].y) / 6.0;
+    assert!(worst(&diffusion.pieces[0], expected) < 1e-6);
+    assert!(diffusion.pieces[0].mirrored && diffusion.quality[0].folds.is_empty());
+    let like = diffuse_like(&diffusion, &mesh, regions, FACES).expect("the same sides");
+    let there = correspond(&diffusion, &like);
+    assert!(mesh.conn.vertices().all(|v| there.positions[v].distance(mesh.positions[v]) < 1e-6));
+    let error = diffuse_like(&diffusion, &mesh, one_region(&mesh, 6, 6), FACES).expect_err("the other way round");
+    assert!(error.kind == homeo::ErrorKind::Unsolvable && error.to_string().contains("\"all\""), "{error}");
+}
+
 /// A rolled rectangle is as flat inside as the rectangle.
 #[test]
 fn a_cylinder_segment_unrolls() {

@@ -202,6 +202,36 @@ fn textures_are_carried_over() {
     }
 }
 
+/// ```text
+///   top      one neighbour all around: an end
+///   belt     two borders: a tube
+///   bottom
+/// ```
+#[test]
+fn limbs_are_divided_alike_on_both_meshes() {
+    let files = Files::new("limbs");
+    let band = |p: DVec3| match p.z {
+        z if z > 0.5 => "top",
+        z if z > -0.5 => "belt",
+        _ => "bottom",
+    };
+    let balls = [fixture::icosphere(4), sphere(31, 40)];
+    let [a, b] = [0, 1].map(|k| files.mesh(["a.obj", "b.obj"][k], &MeshFile::of(&balls[k])));
+    let [r, q] = [0, 1].map(|k| files.regions(["a.csv", "b.csv"][k], &balls[k], band));
+    let out = files.path("out");
+    let pair = ["diffuse", &a, "--regions", &r, "--onto", &b, "--onto-regions", &q, "--out", &out];
+    let made = report(&[&pair[..], &["--split-ends", "--repair"]].concat());
+    let names: Vec<&str> =
+        made["onto"]["regions"].as_array().expect("regions").iter().filter_map(|r| r["name"].as_str()).collect();
+    assert_eq!(names.len(), 6);
+    assert!(names.contains(&"belt a") && names.contains(&"top b"), "{names:?}");
+    let moved = read_mesh(&Path::new(&out).join("source_on_target.obj")).expect("a mesh");
+    let off = moved.positions.iter().zip(balls[0].positions.iter()).map(|(p, q)| p.distance(*q));
+    let mean = off.sum::<f64>() / balls[0].positions.len() as f64;
+    // Around a circle nothing but its triangles says where a seam starts and runs: the halves correspond roughly.
+    assert!(mean < 0.25, "{mean}");
+}
+
 /// A finished map gives the second mesh the regions of the first.
 #[test]
 fn regions_go_through_a_finished_map() {

@@ -5,7 +5,7 @@ use super::report::{ParametrizedMesh, remarks};
 use super::segment::{VARIANTS, segment_variant};
 use super::through::regions_through;
 use super::{Correspondence, Diffusion, DiffusionOptions, DiffusionReport, Ends, Output};
-use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, split_ends, write};
+use super::{carry::by_triangle, carry_image, correspond, diffuse, diffuse_like, in_order_of, split_ends, write};
 use crate::app::attributes::require_uv;
 use crate::app::canvas::Padding;
 use crate::app::finished_map::{FinishedMap, read_finished_map};
@@ -208,7 +208,7 @@ fn both<'m>(
     let first = diffuse(&loaded.mesh, own, job.options)?;
     let Some(second) = second else { return Ok((first, None)) };
     let mesh = &second.loaded.mesh;
-    let (regions, _) = halved(mesh, &second.regions(&regions), Some(&ends));
+    let (regions, _) = halved(mesh, &in_order_of(&regions, second.regions(&regions)), Some(&ends));
     let onto = diffuse_like(&first, mesh, regions, job.options)?;
     Ok((first, Some(onto)))
 }

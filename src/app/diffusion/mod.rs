@@ -3,7 +3,7 @@
 //! After DIFFUSION: M. Schmidt, M. Guthe, V. Blanz, "Diffusion-based parametrization of surfaces on 3D-meshes".
 //!
 //! ```text
-//! regions: a file, or fronts from farthest points        mesh::io, segment
+//! regions: a file, fronts from farthest points, a map     mesh::io, segment, through
 //!    | limbs in halves, if wanted                         ends, bisect
 //!    | discs, the border graph, four corners each         disc, borders, corners
 //!    | or those of another mesh carried over              matching

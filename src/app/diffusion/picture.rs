@@ -104,15 +104,17 @@ impl Cells {
     }
 }
 
-/// Two views of every mesh with its grids, borders, corners, and folds in red.
+/// Two views of every mesh, in the first one's directions, with its grids, borders, corners, and folds in red.
 pub fn preview(meshes: &[&Diffusion]) -> Picture {
-    let views = [View::ThreeQuarter, View::ThreeQuarterBack];
+    let first = meshes.first().map_or(&[][..], |diffusion| &diffusion.mesh.positions.raw);
+    let views =
+        [View::ThreeQuarter, View::ThreeQuarterBack].map(|view| Camera::new(view, Lens::Perspective(5.0), first));
     let pictures: Vec<Picture> =
-        meshes.iter().flat_map(|diffusion| views.map(|view| one_view(diffusion, view))).collect();
+        meshes.iter().flat_map(|diffusion| views.map(|camera| one_view(diffusion, &camera))).collect();
     contact_sheet(&pictures, views.len())
 }
 
-fn one_view(diffusion: &Diffusion, view: View) -> Picture {
+fn one_view(diffusion: &Diffusion, like: &Camera) -> Picture {
     let mesh = diffusion.mesh;
     let cells = Cells::new(diffusion.pieces.len());
     let image = Pyramid::new(&cells.image());
@@ -129,7 +131,7 @@ fn one_view(diffusion: &Diffusion, view: View) -> Picture {
     scene.lines = borders(diffusion);
     let corners = diffusion.pieces.iter().flat_map(|p| p.sides.iter().map(|s| p.disc.vertices[s.vertices[0] as usize]));
     scene.dots = corners.map(|v| Dot { at: mesh.positions[v], color: color(LINE), radius: 2.0 }).collect();
-    let camera = Camera::new(view, Lens::Perspective(5.0), &mesh.positions.raw);
+    let camera = like.fitted_to(&mesh.positions.raw);
     let width = (HEIGHT as f64 * camera.aspect()).clamp(WIDTHS[0], WIDTHS[1]) as usize;
     render(&scene, &camera, [width, HEIGHT])
 }

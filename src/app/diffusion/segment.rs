@@ -37,15 +37,22 @@ pub fn segment_variant(mesh: &TriMesh, count: usize, variant: usize) -> Result<R
     while wanted >= pieces.max(1) {
         let labels = into_discs(mesh, cells(mesh, &sites[..wanted.min(sites.len())]))?;
         let made = labels.iter().max().map_or(0, |&last| last as usize + 1);
-        if made <= count {
+        if made > count {
+            fewest = fewest.min(made);
+            wanted -= (made - count).div_ceil(2).clamp(1, wanted);
+        } else if faces_by_region(&labels, made).into_iter().all(|faces| is_four_sided(mesh, &labels, faces)) {
             return Ok(named(filled_up(mesh, labels, count)?));
+        } else {
+            wanted -= 1;
         }
-        fewest = fewest.min(made);
-        wanted -= (made - count).div_ceil(2).clamp(1, wanted);
     }
-    let least = if fewest == usize::MAX { pieces } else { fewest };
-    Err(Error::unsolvable(format!("the surface cannot be divided into {count} discs"))
-        .remedy(format!("ask for {least} or more")))
+    let remedy = if fewest == usize::MAX { "ask for fewer".to_owned() } else { format!("ask for {fewest} or more") };
+    Err(Error::unsolvable(format!("the surface cannot be divided into {count} discs")).remedy(remedy))
+}
+
+/// True for a disc with edges enough for four sides: the thin end of a limb may have only three around it.
+fn is_four_sided(mesh: &TriMesh, labels: &Labels, faces: Vec<FaceId>) -> bool {
+    disc_of(mesh, labels, faces).is_ok_and(|disc| disc.rim.len() >= 4)
 }
 
 /// Vertices, each where the fronts from the earlier ones arrive last; components without one come first.
@@ -155,7 +162,7 @@ fn filled_up(mesh: &TriMesh, mut labels: Labels, count: usize) -> Result<Labels>
             let mut trial = labels.clone();
             divide(mesh, &mut trial, &faces[r], regions as u32);
             let parts = faces_by_region(&trial, regions + 1);
-            let sound = [r, regions].iter().all(|&p| disc_of(mesh, &trial, parts[p].clone()).is_ok());
+            let sound = [r, regions].iter().all(|&p| is_four_sided(mesh, &trial, parts[p].clone()));
             sound.then_some(trial)
         });
         labels = halves.ok_or_else(|| {

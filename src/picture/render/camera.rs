@@ -35,6 +35,7 @@ pub struct Camera {
     /// Axes: to the right, up, and towards the viewer; of length one.
     axes: [DVec3; 3],
     centre: DVec3,
+    lens: Lens,
     /// Distance of the viewer from the centre; infinite without perspective.
     distance: f64,
     /// What the scene covers of the image plane.
@@ -86,11 +87,16 @@ impl Camera {
             Lens::Perspective(radii) => radius * radii,
         };
         let mut camera =
-            Camera { axes: [x, z.cross(x), z], centre, distance, low: DVec2::ZERO, high: DVec2::ONE, radius };
+            Camera { axes: [x, z.cross(x), z], centre, lens, distance, low: DVec2::ZERO, high: DVec2::ONE, radius };
         let plane = points.iter().map(|&p| camera.on_plane(p).0.extend(0.0));
         let (low, high) = bounds(plane);
         (camera.low, camera.high) = (low.truncate(), high.truncate());
         camera
+    }
+
+    /// A camera in the same direction that shows all of other points.
+    pub fn fitted_to(&self, points: &[DVec3]) -> Self {
+        Camera::looking(self.axes[2], self.axes[1], self.lens, points)
     }
 
     /// Width by height of what the scene covers of the picture.
