@@ -43,7 +43,8 @@
 //! mesh's values in its own texture coordinates, [`app::transfer`] an image of one mesh in those of the other, and
 //! [`app::morph`] puts finished maps into one file as morph targets. [`app::diffusion`] gives the regions of a mesh coordinates
 //! by fronts from their sides ([`path::side_front`]), and maps equal regions of two meshes onto each other.
-//! [`picture::render`] draws previews.
+//! [`app::constrained`] lays a disc onto an image with vertices exactly where the user wants them; where they cannot walk
+//! there, [`plane::warp`] warps a base mesh in their stead. [`picture::render`] draws previews.
 //!
 //! # Who may import whom
 //!

@@ -104,9 +104,8 @@ fn constraints_are_in_the_file_to_the_last_bit_and_order_is_kept() {
 fn polygons_and_groups_stay_as_they_are() {
     let files = Files::new("polygons");
     let side = 9u32;
-    let mut grid = MeshFile::default();
-    grid.positions =
-        (0..side * side).map(|k| glam::DVec3::new(f64::from(k % side), f64::from(k / side), 0.0)).collect();
+    let positions = (0..side * side).map(|k| glam::DVec3::new(f64::from(k % side), f64::from(k / side), 0.0)).collect();
+    let mut grid = MeshFile { positions, ..MeshFile::default() };
     for k in (0..side * (side - 1)).filter(|k| k % side < side - 1) {
         grid.push_polygon([k, k + 1, k + side + 1, k + side]);
     }

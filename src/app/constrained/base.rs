@@ -28,6 +28,8 @@ use glam::DVec2;
 use rayon::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation as _};
 
+/// A base triangle less high than this share of the image's side is no place to stop: what it holds is crowded.
+const ROOM: f64 = 2e-3;
 /// Times that all paths are laid anew at most.
 const RELAYS: usize = 4;
 
@@ -51,7 +53,7 @@ pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
     let mut warped = base.clone();
     relay(&mut network, &base)?;
     let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
-    let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, ..WarpOptions::default() })
+    let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, room: ROOM, ..WarpOptions::default() })
         .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
     for swap in &swaps {
         base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;

@@ -37,11 +37,13 @@ pub struct WarpOptions {
     pub steps: u32,
     /// Once so many edges are swapped the walkers stop where they are, between two steps. Default: none stops early.
     pub swaps: usize,
+    /// They only stop where every triangle is at least so high. Default 0.
+    pub room: f64,
 }
 
 impl Default for WarpOptions {
     fn default() -> Self {
-        WarpOptions { steps: 32, swaps: usize::MAX }
+        WarpOptions { steps: 32, swaps: usize::MAX, room: 0.0 }
     }
 }
 
@@ -61,7 +63,7 @@ pub fn warp(
     let start: Vec<DVec2> = walkers.iter().map(|w| triangulation.point(w.point)).collect();
     let mut swaps = Vec::new();
     for k in 1..options.steps {
-        if swaps.len() >= options.swaps {
+        if swaps.len() >= options.swaps && triangulation.least_height() >= options.room {
             return Ok(swaps);
         }
         let share = f64::from(k) / f64::from(options.steps);

@@ -77,6 +77,15 @@ impl Triangulation {
         })
     }
 
+    /// The least height of a triangle.
+    pub(super) fn least_height(&self) -> f64 {
+        let height = |t: [u32; 3]| {
+            let [a, b, c] = t.map(|v| self.point(v));
+            orientation(a, b, c) / a.distance(b).max(b.distance(c)).max(c.distance(a))
+        };
+        self.triangles().map(height).fold(f64::INFINITY, f64::min)
+    }
+
     pub(super) fn put(&mut self, v: u32, p: DVec2) {
         self.points[v as usize] = p;
     }
