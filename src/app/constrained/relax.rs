@@ -16,9 +16,9 @@ use crate::plane::smooth::Smoother;
 use glam::DVec2;
 
 /// Newton steps of a round.
-const STEPS: usize = 2;
+const STEPS: usize = 1;
 /// Sweeps of a round.
-const SWEEPS: usize = 8;
+const SWEEPS: usize = 4;
 /// A round that lowers the energy by a smaller share is the last.
 const SETTLED: f64 = 2e-3;
 
