@@ -1,12 +1,11 @@
 //! Features creep on where a step of all at once is cut back by the worst triangle: each goes as far as its own ring of
 //! triangles lets it, and sweeps of the relaxation kernel make room for the next time.
 
-use super::relax::adopt;
+use super::relax::{adopt, piece};
 use super::sheet::{Feature, Framed, Sheet};
 use super::walk::swerves;
 use crate::error::Result;
 use crate::gpu::Compute;
-use crate::kernel::Sight;
 use crate::kernel::sweep_batch::{Piece, sweep_all};
 use crate::plane::domain::Fans;
 use crate::plane::smooth::Smoother;
@@ -30,13 +29,7 @@ pub fn creep(sheet: &mut Sheet) -> Result<()> {
     let fans = domain.fans();
     let triangles = domain.triangles.clone();
     let mut smoother = Smoother::shaped(&mut domain, &shapes, &weights);
-    let sight = |t: usize| {
-        let (rest, metrics) = smoother.seen(t);
-        Sight::new(rest, &metrics, smoother.moving().triangle(t))
-    };
-    let sights = (0..triangles.len()).map(sight).collect();
-    let moving = smoother.moving();
-    let mut pieces = [Piece::new(&triangles, sights, &moving.positions, &moving.free)?];
+    let mut pieces = [piece(&smoother)?];
     for _ in 0..TIMES {
         let positions = pieces[0].positions();
         let next = steps(&sheet.features, &positions);
@@ -46,6 +39,7 @@ pub fn creep(sheet: &mut Sheet) -> Result<()> {
             let share = (SAFE_SHARE * first_collapse(&triangles, &fans, &pieces[0], f.vertex, way)).min(1.0);
             pieces[0].put(f.vertex, from + way * share);
         }
+        // Always here: between so few sweeps a device would mostly wait for the positions.
         sweep_all(&Compute::Cpu, &mut pieces, SWEEPS)?;
     }
     let mut moved = pieces[0].positions();

@@ -37,6 +37,7 @@ use crate::gpu::Compute;
 use crate::mesh::metric;
 use crate::plane::stretch::{e_l2, l2_sq};
 use base::warp_sheet;
+use network::too_fine;
 use refined::Refined;
 use relax::{Relaxation, relax};
 use serde::Serialize;
@@ -86,13 +87,20 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
         let most = if k < WARPS { SWAPS } else { usize::MAX };
         // Where features have crowded triangles beyond what can be told apart, those before the walk still can be.
         let attempts = [(&refined, most), (&before, most), (&refined, 1), (&before, 1), (&refined, 4 * SWAPS)];
-        let warped = attempts.into_iter().find_map(|(from, most)| warp_sheet(from, most).ok());
-        let (warped, swaps) = warped.ok_or_else(network::too_fine)?;
+        let mut first_failure = None;
+        let warped = attempts.into_iter().find_map(|(from, most)| {
+            let warped = warp_sheet(from, most);
+            warped.map_err(|error| first_failure.get_or_insert(error).clone()).ok()
+        });
+        let (warped, swaps) = warped.ok_or_else(|| first_failure.unwrap_or_else(too_fine))?;
         refined = warped;
         report.warps += 1;
         report.swaps += swaps;
         report.steiner[0] += refined.steiner.len();
         tidy(&mut refined, compute)?;
+    }
+    if !refined.sheet.is_met() {
+        return Err(too_fine());
     }
     report.steiner[1] = refined.steiner.len();
     report.e_l2[0] = stretch_of(&refined.sheet);

@@ -90,9 +90,8 @@ impl Refined {
         self.given
     }
 
-    /// Takes out the Steiner vertices that the others can do without; returns how many went.
-    pub fn take_out(&mut self) -> usize {
-        let before = self.steiner.len();
+    /// Takes out the Steiner vertices that the others can do without.
+    pub fn take_out(&mut self) {
         let Refined { sheet, part_of, steiner, given, faces, .. } = self;
         let mut is_rim = vec![false; sheet.uv.len()];
         sheet.boundary.iter().for_each(|&v| is_rim[v as usize] = true);
@@ -115,7 +114,6 @@ impl Refined {
         sheet.uv = (0..number.len()).filter(kept).map(|v| sheet.uv[v]).collect();
         (sheet.triangles, self.part_of, self.steiner) = (sub.triangles, sub.part_of, sub.steiner);
         self.find_boundary();
-        before - self.steiner.len()
     }
 }
 

@@ -63,21 +63,25 @@ pub fn pull(sheet: &mut Sheet, compute: &Compute, weight: &[f64], to: &[Feature]
 /// Sweeps by the kernel; vertices whose triangles would turn over in its precision stay.
 fn sweep(smoother: &mut Smoother, compute: &Compute) -> Result<()> {
     smoother.look();
+    let mut pieces = [piece(smoother)?];
+    let Domain { positions: fixed, free, .. } = smoother.moving();
+    sweep_all(compute, &mut pieces, SWEEPS)?;
+    let [piece] = pieces;
+    // The kernel's two floats do not hold every double: what must not move is put back exactly.
+    let moved = piece.positions().into_iter().zip(fixed).zip(free).map(|((p, &q), &free)| if free { p } else { q });
+    let moved = moved.collect();
+    smoother.adopt(moved);
+    Ok(())
+}
+
+/// What a smoother was looking at, as the kernel sweeps it.
+pub fn piece(smoother: &Smoother) -> Result<Piece> {
     let Domain { triangles, positions, free, .. } = smoother.moving();
     let sight = |t: usize| {
         let (rest, metrics) = smoother.seen(t);
         Sight::new(rest, &metrics, smoother.moving().triangle(t))
     };
-    let sights: Vec<Sight> = (0..triangles.len()).map(sight).collect();
-    let mut pieces = [Piece::new(triangles, sights, positions, free)?];
-    let fixed: Vec<DVec2> = positions.clone();
-    let free = free.clone();
-    sweep_all(compute, &mut pieces, SWEEPS)?;
-    let [piece] = pieces;
-    // The kernel's two floats do not hold every double: what must not move is put back exactly.
-    let moved = piece.positions().into_iter().zip(&fixed).zip(&free).map(|((p, &q), &free)| if free { p } else { q });
-    smoother.adopt(moved.collect());
-    Ok(())
+    Piece::new(triangles, (0..triangles.len()).map(sight).collect(), positions, free)
 }
 
 /// Takes over the positions of the disc's vertices if no triangle has folded; says whether it did.
