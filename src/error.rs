@@ -16,16 +16,30 @@ pub enum ErrorKind {
     Unsolvable,
     /// A compute device was required and there is none (exit code 5).
     Device,
+    /// The time given for the job is over (exit code 4).
+    Late,
 }
 
 impl ErrorKind {
+    /// The kind in a word, as JSON has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            ErrorKind::Bug => "bug",
+            ErrorKind::Usage => "usage",
+            ErrorKind::Input => "input",
+            ErrorKind::Unsolvable => "unsolvable",
+            ErrorKind::Device => "device",
+            ErrorKind::Late => "late",
+        }
+    }
+
     /// The process exit code that stands for this kind.
     pub fn exit_code(self) -> u8 {
         match self {
             ErrorKind::Bug => 1,
             ErrorKind::Usage => 2,
             ErrorKind::Input => 3,
-            ErrorKind::Unsolvable => 4,
+            ErrorKind::Unsolvable | ErrorKind::Late => 4,
             ErrorKind::Device => 5,
         }
     }
@@ -74,6 +88,11 @@ impl Error {
     /// No usable compute device.
     pub fn device(what: impl Into<String>) -> Self {
         Self::new(ErrorKind::Device, what)
+    }
+
+    /// The time given is over.
+    pub fn late(what: impl Into<String>) -> Self {
+        Self::new(ErrorKind::Late, what)
     }
 
     /// A broken invariant of this program.

@@ -133,6 +133,7 @@
 
 pub mod app;
 pub mod cli;
+pub mod deadline;
 pub mod error;
 pub mod gpu;
 pub mod kernel;

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 
 /// The rooms by level, lowest first. A room may import lower levels, and rooms beside it as long as those do not
 /// import it in turn.
-const LEVELS: [&[&str]; 7] = [
+const LEVELS: [&[&str]; 8] = [
     &["error"],
+    &["deadline"],
     &["mesh"],
     &["path", "plane", "solve", "gpu", "picture"],
     &["map", "kernel"],

@@ -80,7 +80,7 @@ fn mapped(scratch: &Scratch, meshes: [MeshFile; 2]) -> FinishedMap {
     };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU");
     let options = MapOptions { image: 0, ..MapOptions::default() };
-    run_maps(vec![job], &options, device, &Silent, |outcome| drop(outcome.value.expect("a map")));
+    run_maps(vec![job], &options, &device, &Silent, |outcome| drop(outcome.value.expect("a map")));
     read_finished_map(&scratch.file("map"), [None, None]).expect("the finished map")
 }
 

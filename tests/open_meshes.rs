@@ -236,7 +236,7 @@ fn the_report_and_the_tables_are_those_of_the_open_mesh() {
     let options = MapOptions { image: 9, ..MapOptions::default() };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU is always there");
     let mut reports = Vec::new();
-    run_maps(vec![job], &options, device, &Silent, |outcome| reports.push(outcome.value.expect("a map")));
+    run_maps(vec![job], &options, &device, &Silent, |outcome| reports.push(outcome.value.expect("a map")));
     let report = &reports[0];
     assert!(report.certificate.bijective);
     assert_eq!(report.landmarks, 6);

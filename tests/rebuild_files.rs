@@ -209,7 +209,7 @@ fn a_finished_maps_images_name_its_landmarks_and_rebuild() {
     };
     let options = MapOptions { image: TILE, ..MapOptions::default() };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU is always there");
-    run_maps(vec![job], &options, device, &Silent, |outcome| assert!(outcome.value.is_ok()));
+    run_maps(vec![job], &options, &device, &Silent, |outcome| assert!(outcome.value.is_ok()));
 
     let layout: serde_json::Value =
         serde_json::from_slice(&fs::read(scratch.path("out/layout.json")).expect("written")).expect("our own file");

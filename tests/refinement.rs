@@ -136,7 +136,7 @@ fn files_of_a_refined_map_share_their_connectivity_and_keep_textures_and_groups(
     };
     let options = MapOptions { refine: Some(RefineOptions::default()), image: 0, ..MapOptions::default() };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU is always there");
-    run_maps(vec![job], &options, device, &Silent, |outcome| drop(outcome.value.expect("a map")));
+    run_maps(vec![job], &options, &device, &Silent, |outcome| drop(outcome.value.expect("a map")));
     for (mesh, [refined, mapped]) in
         pair.meshes.iter().zip([["source_refined", "source_on_target"], ["target_refined", "target_on_source"]])
     {

@@ -216,7 +216,7 @@ fn mapped_with_images(scratch: &Scratch, image: usize) -> FinishedMap {
     };
     let device = Device::open(&DeviceChoice::Cpu).expect("the CPU");
     let options = MapOptions { image, ..MapOptions::default() };
-    run_maps(vec![job], &options, device, &Silent, |outcome| drop(outcome.value.expect("a map")));
+    run_maps(vec![job], &options, &device, &Silent, |outcome| drop(outcome.value.expect("a map")));
     read_finished_map(&file("map"), [None, None]).expect("the finished map")
 }
 

@@ -38,3 +38,20 @@ pub fn beside(path: &Path, word: &str) -> PathBuf {
     let extension = path.extension().map(|e| format!(".{}", e.to_string_lossy())).unwrap_or_default();
     path.with_file_name(format!("{stem}_{word}{extension}"))
 }
+
+/// The tiles' numbers: 1001 to 1100 and on, ten in a row, as far up as anybody goes.
+const NUMBERS: std::ops::Range<u32> = 1001..2000;
+
+/// The files that a pattern stands for, those that are there, in the order of their tiles.
+///
+/// # Errors
+/// Input, if there is none.
+pub fn tiles_of(pattern: &Path) -> Result<Vec<PathBuf>> {
+    let name = pattern.file_name().unwrap_or_default().to_string_lossy();
+    let tile = |number: u32| pattern.with_file_name(name.replace(PATTERN, &number.to_string()));
+    let files: Vec<PathBuf> = NUMBERS.map(tile).filter(|file| file.is_file()).collect();
+    if files.is_empty() {
+        return Err(Error::input("no file of this pattern is there").file(pattern).remedy("check the path"));
+    }
+    Ok(files)
+}

@@ -1,9 +1,9 @@
 //! What was typed.
 
+use super::batch::args::BatchArgs;
 use crate::app::canvas::Padding;
 use crate::mesh::VertexId;
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Certified bijective, low-distortion maps between triangle meshes.
@@ -17,7 +17,7 @@ pub struct Cli {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 internal error, 2 wrong usage, 3 bad input, \
-4 well-formed but unsolvable, 5 no usable device where one was required.";
+4 well-formed but unsolvable, 5 no usable device where one was required, 6 batch finished with failed jobs.";
 
 #[derive(Args, Debug)]
 pub struct Global {
@@ -87,15 +87,8 @@ pub enum Command {
     Bake(BakeArgs),
     /// Carry an image of the source through a finished map to the target
     Transfer(TransferArgs),
-    /// Many maps, streamed (comes with a later version)
-    Batch(Later),
-}
-
-/// Arguments of a command that does not exist yet: anything.
-#[derive(Args, Debug)]
-pub struct Later {
-    #[arg(hide = true, trailing_var_arg = true, allow_hyphen_values = true)]
-    pub rest: Vec<OsString>,
+    /// Map many pairs from a manifest: streamed, resumable, in shards
+    Batch(Box<BatchArgs>),
 }
 
 #[derive(Args, Debug)]
@@ -124,6 +117,9 @@ pub struct MapArgs {
     /// Folder for the results; appears complete or not at all
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
+    /// The source's colour texture, carried to the target; <UDIM> in its name stands for one file per tile
+    #[arg(long, value_name = "IMAGE")]
+    pub texture: Option<PathBuf>,
     #[command(flatten)]
     pub options: MapFlags,
 }
@@ -160,9 +156,6 @@ pub struct MapFlags {
     /// The geometry images as layers of one EXR instead of one file per map
     #[arg(long)]
     pub layered: bool,
-    /// The source's colour texture, carried to the target; <UDIM> in its name stands for one file per tile
-    #[arg(long, value_name = "IMAGE")]
-    pub texture: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,7 +1,7 @@
 //! What is printed: results on stdout, everything else on stderr. A reader that goes away is not an error.
 
 use super::args::{ColorChoice, Global};
-use crate::error::{Error, ErrorKind};
+use crate::error::Error;
 use serde::Serialize;
 use serde_json::json;
 use std::io::{self, IsTerminal, Write};
@@ -87,15 +87,8 @@ fn painted(is_on: bool, style: &str, text: &str) -> String {
 
 /// An error as JSON; parts that do not apply are empty strings.
 pub fn error_object(error: &Error) -> serde_json::Value {
-    let kind = match error.kind {
-        ErrorKind::Bug => "bug",
-        ErrorKind::Usage => "usage",
-        ErrorKind::Input => "input",
-        ErrorKind::Unsolvable => "unsolvable",
-        ErrorKind::Device => "device",
-    };
     json!({ "error": {
-        "kind": kind,
+        "kind": error.kind.name(),
         "exit_code": error.kind.exit_code(),
         "file": error.file,
         "what": error.what,

@@ -22,7 +22,7 @@ pub fn run(args: &MapArgs, global: &Global, console: &Console) -> Result<ExitCod
         landmarks: args.landmarks.clone(),
         target_landmarks: args.target_landmarks.clone(),
         hint: args.hint.clone(),
-        texture: args.options.texture.clone(),
+        texture: args.texture.clone(),
         out: args.out.clone(),
     };
     let report = run_all(vec![job], &options, global, console)?.remove(0);
@@ -66,9 +66,10 @@ pub fn run_all(jobs: Vec<MapJob>, options: &MapOptions, global: &Global, console
     let mut outcomes = Vec::with_capacity(count);
     {
         let observer = progress::observer(global, count);
-        run_maps(jobs, options, device, observer.as_ref(), |outcome| outcomes.push(outcome.value));
+        run_maps(jobs, options, &device, observer.as_ref(), |outcome| outcomes.push(outcome));
     }
-    let reports = outcomes.into_iter().collect::<Result<Vec<Report>>>()?;
+    outcomes.sort_by_key(|outcome| outcome.id);
+    let reports = outcomes.into_iter().map(|outcome| outcome.value).collect::<Result<Vec<Report>>>()?;
     if reports.len() != count {
         return Err(Error::bug(format!("{} of {count} jobs came to an end", reports.len())));
     }

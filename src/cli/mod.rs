@@ -2,12 +2,12 @@
 
 mod args;
 mod bake;
+mod batch;
 mod check;
 mod console;
 mod demo;
 mod devices;
 mod diffuse;
-mod later;
 mod map;
 mod measure;
 mod morph;
@@ -36,7 +36,7 @@ pub fn run(arguments: Vec<OsString>) -> ExitCode {
         Err(e) => return refuse_arguments(&e, &arguments),
     };
     let console = Console::new(&cli.global);
-    let outcome = catch_unwind(|| dispatch(&cli, &console));
+    let outcome = catch_unwind(|| dispatch(&cli, &arguments, &console));
     let result = outcome.unwrap_or_else(|payload| Err(Error::bug(message_of(payload.as_ref()))));
     match result {
         Ok(code) => code,
@@ -47,8 +47,7 @@ pub fn run(arguments: Vec<OsString>) -> ExitCode {
     }
 }
 
-fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
-    later::refuse_command(&cli.command)?;
+fn dispatch(cli: &Cli, arguments: &[OsString], console: &Console) -> Result<ExitCode> {
     set_threads(&cli.global)?;
     match &cli.command {
         Command::Map(args) => map::run(args, &cli.global, console),
@@ -64,9 +63,7 @@ fn dispatch(cli: &Cli, console: &Console) -> Result<ExitCode> {
             None => bake::run(args, &cli.global, console),
         },
         Command::Texture(args) => texture::run(args, &cli.global, console),
-        Command::Batch(_) => {
-            unreachable!("refused above")
-        }
+        Command::Batch(args) => batch::run(args, arguments, &cli.global, console),
     }
 }
 

@@ -1,5 +1,6 @@
 //! A job of the main pipeline and its options.
 
+use crate::map::product::NamedFile;
 use crate::stage::refine::RefineOptions;
 use crate::stage::relax::RelaxOptions;
 use std::path::PathBuf;
@@ -30,6 +31,8 @@ pub struct Outputs {
     pub dir: PathBuf,
     /// The texture to be carried.
     pub texture: Option<PathBuf>,
+    /// A file to be written with them, by which a later run knows them again.
+    pub seal: Option<NamedFile>,
 }
 
 /// How arcs are laid out.

@@ -1,11 +1,14 @@
-//! A line of stages: each on its own thread, a bounded channel between neighbours.
+//! A line of stages: threads of its own for each, a bounded channel between neighbours.
 
-use super::observer::Observer;
+use super::flow::Flow;
+use super::flow::budget::Reservation;
 use super::panics::catch;
 use super::stages::Stage;
+use crate::deadline::{Deadline, check, within};
 use crate::error::{Error, Result};
 use crossbeam::channel::{Receiver, bounded};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 use std::thread::Scope;
 use std::time::Instant;
 
@@ -13,15 +16,17 @@ use std::time::Instant;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct JobId(pub usize);
 
-/// Finished values that may wait in front of a stage: enough to keep neighbours busy, and it bounds the memory in
-/// flight to about two jobs a stage.
+/// Finished values that may wait in front of a stage: enough to keep neighbours busy. How much memory they may hold is
+/// for [`Flow`] to say.
 const WAITING: usize = 1;
 
 /// A job on its way.
-struct Job<T> {
+struct Job<'env, T> {
     id: JobId,
     started: Instant,
     seconds: BTreeMap<&'static str, f64>,
+    held: Reservation<'env>,
+    failed_in: Option<Stage>,
     value: Result<T>,
 }
 
@@ -32,6 +37,8 @@ pub struct Outcome<T> {
     pub id: JobId,
     /// Its product or why there is none.
     pub value: Result<T>,
+    /// The stage it failed in, if it did.
+    pub failed_in: Option<Stage>,
     /// Wall-clock seconds per stage passed, and `total`.
     pub seconds: BTreeMap<&'static str, f64>,
 }
@@ -43,13 +50,13 @@ pub struct Step<'a> {
     job_started: Instant,
     started: Instant,
     earlier: &'a BTreeMap<&'static str, f64>,
-    observer: &'a dyn Observer,
+    flow: &'a Flow<'a>,
 }
 
 impl Step<'_> {
     /// Tells the observer something about the job, in a few words.
     pub fn detail(&self, detail: impl AsRef<str>) {
-        self.observer.stage_detail(self.job, self.stage, detail.as_ref());
+        self.flow.observer.stage_detail(self.job, self.stage, detail.as_ref());
     }
 
     /// The job at hand.
@@ -68,74 +75,89 @@ impl Step<'_> {
 
 /// The open end of a line of stages: jobs with values of type `T` come out of it.
 ///
-/// Threads live in the scope the line was started in; state that a stage's closure owns lives on that stage's thread.
+/// Threads live in the scope the line was started in.
 pub struct Line<'scope, 'env, T> {
     scope: &'scope Scope<'scope, 'env>,
-    observer: &'env dyn Observer,
-    jobs: Receiver<Job<T>>,
+    flow: &'env Flow<'env>,
+    jobs: Receiver<Job<'env, T>>,
 }
 
 impl<'scope, 'env, T: Send + 'scope> Line<'scope, 'env, T> {
-    /// Starts a line that is fed by an iterator; it is asked for the next job only when there is room.
-    pub fn start<I>(scope: &'scope Scope<'scope, 'env>, observer: &'env dyn Observer, inputs: I) -> Self
+    /// Starts a line that is fed by an iterator of jobs, each with the bytes it will need; it is asked for the next job
+    /// only when there is room, and waits until the flow's memory allows for the job.
+    pub fn start<I>(scope: &'scope Scope<'scope, 'env>, flow: &'env Flow<'env>, inputs: I) -> Self
     where
-        I: IntoIterator<Item = T> + Send + 'scope,
+        I: IntoIterator<Item = (JobId, u64, T)>,
+        I::IntoIter: Send + 'scope,
     {
         let (sender, jobs) = bounded(WAITING);
+        let inputs = inputs.into_iter();
         scope.spawn(move || {
-            for (i, value) in inputs.into_iter().enumerate() {
-                let job = Job { id: JobId(i), started: Instant::now(), seconds: BTreeMap::new(), value: Ok(value) };
-                if sender.send(job).is_err() {
+            for (id, bytes, value) in inputs {
+                let held = flow.budget.reserve(bytes);
+                if sender.send(Job::new(id, held, value)).is_err() {
                     return; // the outcomes are no longer wanted
                 }
             }
         });
-        Line { scope, observer, jobs }
+        Line { scope, flow, jobs }
     }
 
-    /// Appends a stage. A failed job passes it untouched; a panic in it becomes the job's error.
-    pub fn then<U, F>(self, stage: Stage, mut work: F) -> Line<'scope, 'env, U>
+    /// Appends a stage, with as many threads as the flow has cores. A failed job passes it untouched; a panic in it
+    /// becomes the job's error.
+    pub fn then<U, F>(self, stage: Stage, work: F) -> Line<'scope, 'env, U>
     where
         U: Send + 'scope,
-        F: FnMut(T, &Step) -> Result<U> + Send + 'scope,
+        F: Fn(T, &Step) -> Result<U> + Send + Sync + 'scope,
     {
-        let Line { scope, observer, jobs } = self;
+        let Line { scope, flow, jobs } = self;
         let (sender, done) = bounded(WAITING);
-        scope.spawn(move || {
-            for job in jobs {
-                if sender.send(job.pass(stage, observer, &mut work)).is_err() {
-                    return; // the outcomes are no longer wanted
+        let work = Arc::new(work);
+        for _ in 0..flow.cores.count() {
+            let (jobs, sender, work) = (jobs.clone(), sender.clone(), work.clone());
+            scope.spawn(move || {
+                for job in jobs {
+                    if sender.send(job.pass(stage, flow, &*work)).is_err() {
+                        return; // the outcomes are no longer wanted
+                    }
                 }
-            }
-        });
-        Line { scope, observer, jobs: done }
+            });
+        }
+        Line { scope, flow, jobs: done }
     }
 
-    /// Hands every outcome to `take`, in the order of the jobs, and returns when all are done.
+    /// Hands every outcome to `take` as soon as there is one, and returns when all jobs are done.
     pub fn finish(self, mut take: impl FnMut(Outcome<T>)) {
-        for job in self.jobs {
-            let mut seconds = job.seconds;
-            seconds.insert("total", job.started.elapsed().as_secs_f64());
-            take(Outcome { id: job.id, value: job.value, seconds });
+        for Job { id, started, mut seconds, held, failed_in, value } in self.jobs {
+            seconds.insert("total", started.elapsed().as_secs_f64());
+            take(Outcome { id, value, failed_in, seconds });
+            drop(held);
         }
     }
 }
 
-impl<T> Job<T> {
-    fn pass<U>(self, stage: Stage, observer: &dyn Observer, work: &mut impl FnMut(T, &Step) -> Result<U>) -> Job<U> {
-        let Job { id, started: job_started, mut seconds, value } = self;
+impl<'env, T> Job<'env, T> {
+    fn new(id: JobId, held: Reservation<'env>, value: T) -> Self {
+        Job { id, started: Instant::now(), seconds: BTreeMap::new(), held, failed_in: None, value: Ok(value) }
+    }
+
+    fn pass<U>(self, stage: Stage, flow: &Flow, work: &impl Fn(T, &Step) -> Result<U>) -> Job<'env, U> {
+        let Job { id, started: job_started, mut seconds, held, mut failed_in, value } = self;
         let value = value.and_then(|value| {
-            observer.stage_started(id, stage);
+            let _core = flow.cores.take(stage);
+            flow.observer.stage_started(id, stage);
             let started = Instant::now();
-            let step = Step { job: id, stage, job_started, started, earlier: &seconds, observer };
-            let result = catch(|| work(value, &step))
+            let step = Step { job: id, stage, job_started, started, earlier: &seconds, flow };
+            let deadline = flow.timeout.map(|limit| Deadline::after(job_started, limit));
+            let result = catch(|| within(deadline, || check().and_then(|()| work(value, &step))))
                 .unwrap_or_else(|message| Err(Error::bug(format!("stage {} panicked: {message}", stage.name()))));
             let taken = started.elapsed().as_secs_f64();
-            observer.stage_finished(id, stage, taken, result.as_ref().err());
+            flow.observer.stage_finished(id, stage, taken, result.as_ref().err());
             seconds.insert(stage.name(), taken);
+            failed_in = result.is_err().then_some(stage);
             result
         });
-        Job { id, started: job_started, seconds, value }
+        Job { id, started: job_started, seconds, held, failed_in, value }
     }
 }
 
@@ -143,39 +165,40 @@ impl<T> Job<T> {
 mod tests {
     use super::*;
     use crate::error::ErrorKind;
-    use crate::pipeline::Silent;
+    use crate::pipeline::{Observer, Silent};
     use std::sync::Mutex;
     use std::thread;
 
     fn run(inputs: Vec<i32>, observer: &dyn Observer) -> Vec<Outcome<String>> {
         let mut outcomes = Vec::new();
+        let flow = Flow::watched(observer);
+        let jobs = inputs.into_iter().enumerate().map(|(i, x)| (JobId(i), 0, x));
         thread::scope(|scope| {
-            let mut seen = 0; // state of one stage, as the device is
-            Line::start(scope, observer, inputs)
+            Line::start(scope, &flow, jobs)
                 .then(Stage::Load, |x: i32, step| {
                     step.detail(format!("read {x}"));
                     if x < 0 { Err(Error::input("negative")) } else { Ok(f64::from(x)) }
                 })
-                .then(Stage::Relax, move |x, _| {
-                    seen += 1;
+                .then(Stage::Relax, |x, _| {
                     assert!(x != 1313.0, "unlucky");
-                    Ok((seen, x))
+                    Ok(x)
                 })
-                .then(Stage::Write, |(seen, x), step| {
+                .then(Stage::Write, |x, step| {
                     assert!(step.seconds().contains_key("load") && step.seconds().contains_key("total"));
-                    Ok(format!("{seen}: {x}"))
+                    Ok(format!("{x}"))
                 })
                 .finish(|outcome| outcomes.push(outcome));
         });
+        outcomes.sort_by_key(|outcome| outcome.id);
         outcomes
     }
 
     #[test]
-    fn outcomes_come_in_the_order_of_the_jobs() {
+    fn every_job_comes_out_once() {
         let outcomes = run((0..50).collect(), &Silent);
         for (i, outcome) in outcomes.iter().enumerate() {
             assert_eq!(outcome.id, JobId(i));
-            assert_eq!(outcome.value.as_deref(), Ok(format!("{}: {i}", i + 1).as_str()));
+            assert_eq!(outcome.value.as_deref(), Ok(i.to_string().as_str()));
             assert_eq!(outcome.seconds.keys().copied().collect::<Vec<_>>(), ["load", "relax", "total", "write"]);
         }
         assert_eq!(outcomes.len(), 50);
@@ -186,7 +209,7 @@ mod tests {
         let outcomes = run(vec![1, -1, 2], &Silent);
         assert_eq!(outcomes[1].value.as_ref().map_err(|e| e.kind), Err(ErrorKind::Input));
         assert_eq!(outcomes[1].seconds.keys().copied().collect::<Vec<_>>(), ["load", "total"]);
-        assert_eq!(outcomes[2].value.as_deref(), Ok("2: 2"));
+        assert_eq!(outcomes[2].value.as_deref(), Ok("2"));
     }
 
     #[test]
@@ -195,7 +218,7 @@ mod tests {
         let error = outcomes[1].value.as_ref().expect_err("1313 panics");
         assert_eq!(error.kind, ErrorKind::Bug);
         assert!(error.what.contains("stage relax panicked: unlucky"), "{error}");
-        assert_eq!(outcomes[2].value.as_deref(), Ok("3: 14"));
+        assert_eq!(outcomes[2].value.as_deref(), Ok("14"));
     }
 
     #[test]

@@ -3,13 +3,16 @@
 //! ```text
 //!   jobs -> [load] -> [check] -> [cluster] -> ... -> [relax] -> ... -> [write] -> outcomes
 //!             |          |                             |
-//!             one thread each, a bounded channel between neighbours; the device belongs to one stage's thread;
-//!             inside a stage the loops run on rayon's threads
+//!             threads of its own for each, a bounded channel between neighbours; a stage takes one of the cores before
+//!             it works on a job, the latest stage first; inside a stage the loops run on rayon's threads
 //! ```
 //!
-//! A job that fails keeps travelling as its error, so the outcomes come in the order of the jobs. A panic in a stage is
-//! caught and becomes an error of that job alone.
+//! A job is let in when the memory it will need is free, and comes out as soon as it is done. One that fails keeps
+//! travelling as its error. A panic in a stage is caught and becomes an error of that job alone.
 
+pub mod batch;
+mod flow;
+mod footprint;
 mod images;
 mod job;
 mod lay_out;
@@ -19,11 +22,14 @@ mod pair;
 mod panics;
 pub mod stages;
 mod steps;
+mod templates;
 mod textures;
 
+pub use flow::Flow;
 pub use job::{LayoutMethod, MapJob, MapOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};
-pub use stages::{Stage, map_pairs, run_maps};
+pub use stages::{Stage, map_pairs, run_maps, stream_maps};
 pub use steps::Mapped;
+pub use templates::Templates;

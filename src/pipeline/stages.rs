@@ -1,29 +1,49 @@
 //! The list of stages, in the order in which a job passes them, and the line they make.
 
+use super::flow::Flow;
+use super::footprint::footprint;
 use super::job::{MapJob, MapOptions, Outputs};
-use super::line::{Line, Outcome};
+use super::line::{JobId, Line, Outcome};
 use super::observer::Observer;
 use super::pair::Pair;
 use super::steps::{self, Finished, Mapped};
+use super::templates::Templates;
 use crate::gpu::{Compute, Device};
+use crate::map::product::NamedFile;
 use crate::map::report::Report;
 use crate::stage::load::Loaded;
 use std::thread;
 
-/// Maps pairs: every job passes all stages; `take` gets the outcomes in the order of the jobs.
+/// Maps pairs: every job passes all stages; `take` gets the outcomes as they come, not in the order of the jobs.
 ///
-/// Several jobs are in flight at once, each in a stage of its own.
+/// Several jobs are in flight at once; what becomes of one does not depend on the others.
 pub fn run_maps(
     jobs: Vec<MapJob>,
     options: &MapOptions,
-    device: Device,
+    device: &Device,
     observer: &dyn Observer,
     take: impl FnMut(Outcome<Report>),
 ) {
-    let (compute, device) = (&device.compute, &steps::device_line(&device));
+    let jobs = jobs.into_iter().enumerate().map(|(i, job)| (JobId(i), job, None));
+    stream_maps(jobs, options, device, &Flow::watched(observer), &Templates::default(), take);
+}
+
+/// The same for jobs that are told one by one, within the flow's limits; source meshes that `templates` names are read
+/// and checked once. A job's seal is written with its results.
+pub fn stream_maps(
+    jobs: impl Iterator<Item = (JobId, MapJob, Option<NamedFile>)> + Send,
+    options: &MapOptions,
+    device: &Device,
+    flow: &Flow,
+    templates: &Templates,
+    take: impl FnMut(Outcome<Report>),
+) {
+    let (compute, device) = (&device.compute, &steps::device_line(device));
+    let jobs = jobs.map(|(id, job, seal)| (id, footprint(&job, options), (job, seal)));
     thread::scope(|scope| {
-        let loaded = Line::start(scope, observer, jobs).then(Stage::Load, steps::load);
-        checked_to_composed(loaded, options, compute)
+        let started = Line::start(scope, flow, jobs);
+        let loaded = started.then(Stage::Load, |job, step| steps::load(job, templates, step));
+        checked_to_composed(loaded, options, compute, templates)
             .then(Stage::Refine, |pair, step| steps::refine(pair, options.refine.as_ref(), step))
             .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, options.layered, step))
             .then(Stage::Write, |pair, step| steps::write(pair, device, step))
@@ -40,11 +60,15 @@ pub fn map_pairs(
     observer: &dyn Observer,
     mut take: impl FnMut(Outcome<Mapped>),
 ) {
+    let pairs = pairs.enumerate().map(|(i, pair)| (JobId(i), 0, (Outputs::default(), pair)));
+    let (flow, templates) = (Flow::watched(observer), Templates::default());
     thread::scope(|scope| {
-        let loaded = Line::start(scope, observer, pairs.map(|pair| (Outputs::default(), pair)));
-        checked_to_composed(loaded, options, &device.compute).finish(|Outcome { id, value, seconds }| {
-            take(Outcome { id, value: value.map(steps::mapped), seconds });
-        });
+        let loaded = Line::start(scope, &flow, pairs);
+        checked_to_composed(loaded, options, &device.compute, &templates).finish(
+            |Outcome { id, value, failed_in, seconds }| {
+                take(Outcome { id, value: value.map(steps::mapped), failed_in, seconds });
+            },
+        );
     });
 }
 
@@ -53,9 +77,10 @@ fn checked_to_composed<'scope, 'env>(
     loaded: Line<'scope, 'env, (Outputs, Loaded)>,
     options: &'env MapOptions,
     compute: &'env Compute,
+    templates: &'env Templates,
 ) -> Line<'scope, 'env, Pair<Finished>> {
     loaded
-        .then(Stage::Check, steps::check)
+        .then(Stage::Check, |pair, _| steps::check(pair, templates))
         .then(Stage::Cluster, steps::cluster)
         .then(Stage::Trace, |pair, step| steps::trace(pair, compute, options.layout, step))
         .then(Stage::Embed, |pair, step| steps::embed(pair, options.layout, step))

@@ -5,6 +5,7 @@ use super::job::{LayoutMethod, MapJob, Outputs, Relaxation};
 use super::lay_out::lay_out;
 use super::line::Step;
 use super::pair::Pair;
+use super::templates::Templates;
 use super::textures::{check_texture, further_files};
 use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
@@ -65,18 +66,20 @@ pub struct Mapped {
     pub relaxation: RelaxationSummary,
 }
 
-pub fn load(job: MapJob, step: &Step) -> Result<(Outputs, Loaded)> {
+pub fn load((job, seal): (MapJob, Option<NamedFile>), templates: &Templates, step: &Step) -> Result<(Outputs, Loaded)> {
     let MapJob { source, target, landmarks, target_landmarks, hint, texture, out } = job;
-    let loaded = stage::load::load(LoadOptions { source, target, landmarks, target_landmarks, hint })?;
+    let files = LoadOptions { source, target, landmarks, target_landmarks, hint };
+    let loaded = stage::load::load_with(files, |path| templates.read(path))?;
     texture.as_deref().map_or(Ok(()), |texture| check_texture(texture, &loaded.source))?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
     let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
     step.detail(format!("{} and {} vertices, {landmarks} landmarks", vertices[0], vertices[1]));
-    Ok((Outputs { dir: out, texture }, loaded))
+    Ok((Outputs { dir: out, texture, seal }, loaded))
 }
 
-pub fn check((outputs, loaded): (Outputs, Loaded), _: &Step) -> Result<Pair<()>> {
-    Ok(Pair { outputs, checked: stage::check::check(loaded)?, made: () })
+pub fn check((outputs, loaded): (Outputs, Loaded), templates: &Templates) -> Result<Pair<()>> {
+    let checked = stage::check::check_with(loaded, |file| templates.inspect(file))?;
+    Ok(Pair { outputs, checked, made: () })
 }
 
 pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
@@ -224,12 +227,13 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 
 /// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
 pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool, step: &Step) -> Result<Pair<Baked>> {
-    let texture = pair.outputs.texture.clone();
+    let Outputs { texture, seal, .. } = pair.outputs.clone();
     pair.then(|checked, Finished { summary, relaxation, composed, mut notes, refined }| {
         let images = geometry_images(compute, checked, &composed, size, layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
-        let (files, more) = further_files(compute, checked, &composed, images.as_ref(), texture.as_deref())?;
+        let (mut files, more) = further_files(compute, checked, &composed, images.as_ref(), texture.as_deref())?;
         notes.extend(more);
+        files.extend(seal);
         let map = in_file_terms(checked, composed);
         Ok(Baked { summary, relaxation, map, notes, files, images, refined })
     })

@@ -72,8 +72,16 @@ impl Checked {
 /// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
 /// reported.
 pub fn check(loaded: Loaded) -> Result<Checked> {
+    check_with(loaded, inspect)
+}
+
+/// The same where the source may have been checked before.
+pub fn check_with(
+    loaded: Loaded,
+    inspect_source: impl FnOnce(MeshFile) -> Result<LoadedMesh> + Send,
+) -> Result<Checked> {
     let Loaded { source, target, landmarks, hint } = loaded;
-    let (source, target) = rayon::join(|| inspect(source), || inspect(target));
+    let (source, target) = rayon::join(|| inspect_source(source), || inspect(target));
     let (mut source, mut target) = (source?, target?);
     same_numbers([&source.report, &target.report]).map_err(|e| e.file(&target.file.path))?;
     let landmarks = landmarks?;

@@ -5,6 +5,7 @@
 //! one batch, then a Newton step for a domain at once. Domains need not be at the same level, and none sees the others.
 //! Invariant: no triangle turns over, and no exchange raises the energy as it is seen.
 
+use crate::deadline;
 use crate::error::Result;
 use crate::gpu::Compute;
 use crate::kernel::{Piece, Sight, sweep_all};
@@ -67,6 +68,7 @@ pub(super) fn climb(compute: &Compute, domains: Vec<[Domain; 2]>, enough: usize)
         if climbing.is_empty() {
             break;
         }
+        deadline::check()?;
         exchange(compute, &mut climbing, 0)?;
         let energies = exchange(compute, &mut climbing, 1)?;
         climbing.into_par_iter().zip(energies).for_each(|(climb, energy)| climb.note(energy, enough));

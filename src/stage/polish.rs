@@ -5,6 +5,7 @@
 
 use super::relax::{LEAST_SNAP, domains, independent_domains, thin_domains, unit_scale};
 use super::visits::Visits;
+use crate::deadline;
 use crate::error::Result;
 use crate::map::embedding::Embedding;
 use crate::map::recut::{Relaxed, recut_all};
@@ -55,6 +56,7 @@ pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, toleranc
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }
         for (g, group) in groups.iter().enumerate() {
+            deadline::check()?;
             let one = |tiling: &&Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
             let results = visits.group(g, group, |due| Ok(due.par_iter().map(one).collect()))?;
             let mut relaxed = Vec::with_capacity(results.len());

@@ -10,6 +10,7 @@
 use super::flip::flip_arcs;
 use super::levels::{Climb, climb};
 use super::visits::Visits;
+use crate::deadline;
 use crate::error::Result;
 use crate::gpu::Compute;
 use crate::map::embedding::Embedding;
@@ -169,6 +170,7 @@ fn visit_all(
 ) -> Result<()> {
     let scale = unit_scale(meshes);
     for (g, group) in groups.iter().enumerate() {
+        deadline::check()?;
         let visit = |due: &[&Tiling]| relax_domains(compute, meshes, embedding, due, scale, how);
         let relaxed = visits.group(g, group, visit)?;
         let changed: Vec<_> = group.iter().zip(&relaxed).filter_map(|(t, sides)| Some((t, sides.as_ref()?))).collect();

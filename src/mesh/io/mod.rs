@@ -25,7 +25,7 @@ pub mod vertex_table;
 pub use constraints::{Constraint, read_constraints};
 pub use gltf::{Morph, MorphTarget, MorphedMesh, TextureImage, write_morph};
 pub use hint::{Hint, HintLoop, parse_hint, read_hint};
-pub use landmarks::{Landmarks, parse_landmarks, read_landmarks};
+pub use landmarks::{Landmarks, parse_landmarks, read_landmarks, split_fields};
 pub use mesh_file::{Attribute, Keyword, MeshFile, NO_INDEX, Statement};
 pub use normals::vertex_normals;
 pub use obj_write::write_obj;

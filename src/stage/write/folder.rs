@@ -5,6 +5,7 @@
 //! killed process left behind is cleaned up by the next one that writes to the same place.
 
 use crate::error::{Error, Result};
+use std::collections::HashSet;
 use std::fs::{self, File};
 use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -149,6 +150,25 @@ pub(super) fn clean_leftovers(finished: &Path) -> Result<()> {
         let path = entry.path();
         let is_only_copy = replaced.is_some() && !finished.exists();
         let cleaned = if is_only_copy { fs::rename(&path, finished) } else { remove(&path) };
+        cleaned.map_err(|e| Error::io(&path, &e))?;
+    }
+    Ok(())
+}
+
+/// Removes what runs that were killed left in `parent` of the outputs with these names; an output that they had moved away
+/// is put back first. Only for a folder that no other process writes these outputs to.
+pub fn clean_leftovers_of(parent: &Path, names: &HashSet<&str>) -> Result<()> {
+    let entries = fs::read_dir(parent).map_err(|e| Error::io(parent, &e))?;
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let file = path.file_name().and_then(|name| name.to_str()).and_then(|name| name.strip_prefix('.'));
+        let parts = file.and_then(|file| file.rsplit_once('-')).filter(|(_, pid)| pid.parse::<u32>().is_ok());
+        let Some((name, kind)) = parts.and_then(|(start, _)| start.rsplit_once('.')) else { continue };
+        if !names.contains(name) || ![TEMPORARY, REPLACED].contains(&kind) {
+            continue;
+        }
+        let finished = parent.join(name);
+        let is_only_copy = kind == REPLACED && !finished.exists();
+        let cleaned = if is_only_copy { fs::rename(&path, &finished) } else { remove(&path) };
         cleaned.map_err(|e| Error::io(&path, &e))?;
     }
     Ok(())

@@ -11,6 +11,8 @@ mod text;
 use super::mesh_file::MeshFile;
 use crate::mesh::VertexId;
 use crate::{Error, Result};
+pub use table::split as split_fields;
+
 use place::{Entry, PointFile};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};

@@ -1,0 +1,73 @@
+//! Joins the results of shards, after checking that every job was done exactly once.
+
+use super::ledger::{read_rows, write_rows};
+use super::record::read_record;
+use super::row::{Failure, Row, Status};
+use crate::error::{Error, Result};
+use crate::stage::write::folder::REPORT_FILE;
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Ids named in an error at most.
+const NAMED: usize = 5;
+
+/// Joins `results-I-of-N.jsonl` in `out` into results.jsonl, and the failures likewise; returns the rows in the order of
+/// the manifest.
+///
+/// # Errors
+/// Input, if a job has no row or several, or a row of a finished job has no results: a shard is missing, has not ended, or
+/// the number of shards was changed half way.
+pub fn merge(out: &Path) -> Result<Vec<Row>> {
+    let ids = read_record(out)?;
+    let mut rows: HashMap<String, Row> = HashMap::with_capacity(ids.len());
+    let mut twice = Vec::new();
+    for file in parts(out, "results")? {
+        for row in read_rows::<Row>(&file)? {
+            if let Some(earlier) = rows.insert(row.id.clone(), row) {
+                twice.push(earlier.id);
+            }
+        }
+    }
+    let remedy = "run the shards that are missing, or remove the results of shards that are not of this batch";
+    refuse(out, "jobs with several results", &twice, remedy)?;
+    let missing: Vec<&String> = ids.iter().filter(|id| !rows.contains_key(*id)).collect();
+    refuse(out, "jobs without a result", &missing, remedy)?;
+    let has_results = |row: &Row| row.status == Status::Failed || out.join(&row.id).join(REPORT_FILE).is_file();
+    let empty: Vec<&String> = ids.iter().filter(|id| rows.get(*id).is_some_and(|row| !has_results(row))).collect();
+    refuse(out, "finished jobs whose folder is gone", &empty, "run their shards again")?;
+    let mut failures = HashMap::new();
+    for file in parts(out, "failed")? {
+        failures.extend(read_rows::<Failure>(&file)?.into_iter().map(|failure| (failure.id.clone(), failure)));
+    }
+    write_rows(&out.join("results.jsonl"), &ids, &mut rows)?;
+    write_rows(&out.join("failed.jsonl"), &ids, &mut failures)?;
+    Ok(ids.iter().filter_map(|id| rows.remove(id)).collect())
+}
+
+/// The shards' files `NAME-I-of-N.jsonl`, or the whole batch's own file if there is none.
+fn parts(out: &Path, name: &str) -> Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(out).map_err(|e| Error::io(out, &e))?;
+    let is_part = |path: &PathBuf| {
+        let file = path.file_name().and_then(|n| n.to_str());
+        let part = file.and_then(|n| n.strip_prefix(name)?.strip_prefix('-')?.strip_suffix(".jsonl"));
+        part.and_then(|part| part.split_once("-of-")).is_some()
+    };
+    let mut parts: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_part).collect();
+    parts.sort();
+    if parts.is_empty() {
+        parts.push(out.join(format!("{name}.jsonl")));
+    }
+    Ok(parts)
+}
+
+/// Fails if there are any, naming the first.
+fn refuse(out: &Path, what: &str, ids: &[impl AsRef<str>], remedy: &str) -> Result<()> {
+    if ids.is_empty() {
+        return Ok(());
+    }
+    let mut named: Vec<&str> = ids.iter().take(NAMED).map(AsRef::as_ref).collect();
+    if ids.len() > named.len() {
+        named.push("...");
+    }
+    Err(Error::input(format!("{what}: {}", ids.len())).file(out).at(named.join(", ")).remedy(remedy))
+}

@@ -1,0 +1,193 @@
+//! Many maps from a manifest: streamed through the stages, resumable, in shards.
+//!
+//! ```text
+//!   manifest -> jobs of this shard -> finished before? --- yes ---> ledger: skipped
+//!                                          | no                        ^
+//!                                          v                           |
+//!                                    line of stages ---- outcome ------+--> results.jsonl, failed.jsonl
+//! ```
+//!
+//! Input: jobs. Output: `DIR/ID/` for every job that succeeds, as [`super::stages`] writes it, with a seal in it: the
+//! job's fingerprint, which covers the bytes of its inputs, the options and the version. Invariants: a folder is there
+//! complete or not at all; what becomes of a job depends on nothing but the job; every job of the shard that came to an
+//! end has one row, written as it ends; whatever kills the process, the jobs with a folder are not done again.
+
+pub mod fingerprint;
+pub mod ledger;
+pub mod manifest;
+pub mod merge;
+pub mod plan;
+pub mod record;
+pub mod row;
+pub mod shard;
+
+use super::flow::Flow;
+use super::job::{MapJob, MapOptions};
+use super::line::{JobId, Outcome};
+use super::observer::Observer;
+use super::stages::stream_maps;
+use super::templates::Templates;
+use crate::error::{Error, Result};
+use crate::gpu::Device;
+use crate::map::report::Report;
+use crate::stage::write::folder::clean_leftovers_of;
+use fingerprint::{Fingerprint, Fingerprints};
+use ledger::Ledger;
+use manifest::BatchJob;
+use row::{Failure, Row};
+use shard::Shard;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+/// How a batch is run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BatchOptions {
+    /// How each pair is mapped.
+    pub map: MapOptions,
+    /// The folder of all results.
+    pub out: PathBuf,
+    /// The part of the jobs to do; none: all.
+    pub shard: Option<Shard>,
+    /// Time for each job, from when it is read; none: any.
+    pub timeout: Option<Duration>,
+    /// Bytes of memory for the jobs in flight together, by estimate; a job that needs more runs alone.
+    pub memory: u64,
+    /// No further job is begun after so many have failed; none: failures never stop the others.
+    pub max_fail: Option<usize>,
+}
+
+/// What became of a batch.
+#[derive(Clone, Debug)]
+pub struct BatchResult {
+    /// A row for every job that has come to an end by now, in the manifest's order.
+    pub rows: Vec<Row>,
+    /// Jobs of this shard.
+    pub jobs: usize,
+    /// Whether the batch ended before all jobs were begun: it was told to, or too many failed.
+    pub stopped: bool,
+}
+
+/// What can be told while a batch runs.
+pub trait BatchObserver: Observer {
+    /// A job has come to an end. Rows come from several threads, one at a time.
+    fn job_ended(&self, row: &Row);
+}
+
+/// Runs the jobs of a manifest, or of a shard of it. Once `stop` is set, jobs at hand are finished and no other begun.
+///
+/// # Errors
+/// Usage, if another run writes to the same place; input, if results cannot be written. A job that fails is no error: its
+/// row says why.
+pub fn run_batch(
+    jobs: &[BatchJob],
+    options: &BatchOptions,
+    device: &Device,
+    observer: &dyn BatchObserver,
+    stop: &AtomicBool,
+) -> Result<BatchResult> {
+    let ids: Vec<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
+    record::write_record(&options.out, &ids)?;
+    let own: Vec<&BatchJob> = jobs.iter().filter(|job| options.shard.is_none_or(|s| s.holds(&job.id))).collect();
+    let own_ids: Vec<&str> = own.iter().map(|job| job.id.as_str()).collect();
+    let ledger = Ledger::open(&options.out, options.shard, &own_ids)?;
+    clean_leftovers_of(&options.out, &own_ids.iter().copied().collect())?;
+    let run = Run {
+        options,
+        observer,
+        stop,
+        fingerprints: Mutex::new(Fingerprints::new(&options.map)),
+        ledger: Mutex::new(ledger),
+        failed: AtomicUsize::new(0),
+        at_hand: own.iter().map(|_| Mutex::default()).collect(),
+    };
+    let templates = Templates::shared_by(own.iter().map(|job| &job.files));
+    let flow = Flow::watched(observer).bounded(options.timeout, options.memory);
+    let due = own.iter().enumerate().take_while(|_| run.goes_on()).filter_map(|(i, job)| run.due(JobId(i), job));
+    stream_maps(due, &options.map, device, &flow, &templates, |outcome| run.note(own[outcome.id.0], outcome));
+    let stopped = !run.goes_on();
+    let rows = run.ledger.into_inner().unwrap_or_else(PoisonError::into_inner).close()?;
+    Ok(BatchResult { rows, jobs: own.len(), stopped })
+}
+
+/// A batch that runs.
+struct Run<'a> {
+    options: &'a BatchOptions,
+    observer: &'a dyn BatchObserver,
+    stop: &'a AtomicBool,
+    fingerprints: Mutex<Fingerprints>,
+    ledger: Mutex<Ledger>,
+    failed: AtomicUsize,
+    /// The fingerprint of every job in the line.
+    at_hand: Vec<Mutex<Option<Fingerprint>>>,
+}
+
+impl Run<'_> {
+    fn goes_on(&self) -> bool {
+        let enough = self.options.max_fail.is_some_and(|most| self.failed.load(Ordering::SeqCst) >= most);
+        !enough && !self.stop.load(Ordering::SeqCst)
+    }
+
+    /// The job for the line of stages; none if it is done already, or fails before it is begun.
+    fn due(&self, id: JobId, job: &BatchJob) -> Option<(JobId, MapJob, Option<(String, Vec<u8>)>)> {
+        let place = self.options.out.join(&job.id);
+        let fingerprint = self.fingerprints.lock().unwrap_or_else(PoisonError::into_inner).of(&job.files);
+        let fingerprint = match fingerprint {
+            Ok(fingerprint) => fingerprint,
+            Err(error) => {
+                self.end(Row::failed(&job.id, &error, 0.0), Some(Failure::new(&job.id, "load", &error, None)));
+                return None;
+            }
+        };
+        if let Some(row) = finished_before(&job.id, &place, &fingerprint) {
+            self.end(row, None);
+            return None;
+        }
+        let seal = fingerprint.seal(&job.id);
+        *self.at_hand[id.0].lock().unwrap_or_else(PoisonError::into_inner) = Some(fingerprint);
+        Some((id, MapJob { out: place, ..job.files.clone() }, Some(seal)))
+    }
+
+    /// Notes what became of a job.
+    fn note(&self, job: &BatchJob, outcome: Outcome<Report>) {
+        let seconds = outcome.seconds.get("total").copied().unwrap_or(0.0);
+        match outcome.value {
+            Ok(report) => self.end(Row::done(&job.id, &report), None),
+            Err(error) => {
+                let fingerprint = self.at_hand[outcome.id.0].lock().unwrap_or_else(PoisonError::into_inner).take();
+                let stage = outcome.failed_in.map_or("", |stage| stage.name());
+                let failure = Failure::new(&job.id, stage, &error, fingerprint.as_ref());
+                self.end(Row::failed(&job.id, &error, seconds), Some(failure));
+            }
+        }
+    }
+
+    fn end(&self, row: Row, failure: Option<Failure>) {
+        if failure.is_some() {
+            self.failed.fetch_add(1, Ordering::SeqCst);
+        }
+        let mut ledger = self.ledger.lock().unwrap_or_else(PoisonError::into_inner);
+        self.observer.job_ended(&row);
+        ledger.add(row, failure);
+    }
+}
+
+/// The row of a job whose results are there already, made from the same inputs by the same options and version.
+fn finished_before(id: &str, place: &Path, fingerprint: &Fingerprint) -> Option<Row> {
+    if !fingerprint.is_seal_of(place) {
+        return None;
+    }
+    Row::skipped(id, place)
+}
+
+/// Refuses a place for results that is a file.
+///
+/// # Errors
+/// Usage; says how to mend it.
+pub fn check_out(out: &Path) -> Result<()> {
+    if out.exists() && !out.is_dir() {
+        return Err(Error::usage("the output place is a file").file(out).remedy("name a folder"));
+    }
+    Ok(())
+}

@@ -1,0 +1,121 @@
+//! The rows of results.jsonl and failed.jsonl.
+
+use super::fingerprint::Fingerprint;
+use crate::error::Error;
+use crate::map::report::Report;
+use crate::stage::write::folder::REPORT_FILE;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::path::Path;
+
+/// What became of a job.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Done in this run.
+    Ok,
+    /// It has no result; the row says why.
+    Failed,
+    /// Done in an earlier run, from the same inputs by the same options and version.
+    Skipped,
+}
+
+/// A job that came to an end.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// The job's id.
+    pub id: String,
+    /// What became of it.
+    pub status: Status,
+    /// Why it failed, in one line.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<String>,
+    /// Wall-clock seconds from when it was read to its end; of a skipped job those it once took.
+    pub seconds: f64,
+    /// Seconds of every stage.
+    #[serde(default, skip_serializing_if = "Value::is_null")]
+    pub stages: Value,
+    /// `distortion` of the job's report; null for one that failed.
+    pub distortion: Value,
+}
+
+impl Row {
+    /// A job that was done just now.
+    pub fn done(id: &str, report: &Report) -> Self {
+        let json = |value: Result<Value, serde_json::Error>| value.unwrap_or(Value::Null); // plain numbers by name
+        Row {
+            id: id.to_owned(),
+            status: Status::Ok,
+            error: None,
+            seconds: report.seconds.get("total").copied().unwrap_or(0.0),
+            stages: json(serde_json::to_value(&report.seconds)),
+            distortion: json(serde_json::to_value(&report.distortion)),
+        }
+    }
+
+    /// A job that failed after `seconds`.
+    pub fn failed(id: &str, error: &Error, seconds: f64) -> Self {
+        let error = Some(error.to_string().replace(['\n', '\r'], " "));
+        Row { id: id.to_owned(), status: Status::Failed, error, seconds, stages: Value::Null, distortion: Value::Null }
+    }
+
+    /// A job whose results are in `place` already; none if they have no readable report.
+    pub fn skipped(id: &str, place: &Path) -> Option<Self> {
+        let text = std::fs::read_to_string(place.join(REPORT_FILE)).ok()?;
+        let mut report: Value = serde_json::from_str(&text).ok()?;
+        let stages = report.get_mut("seconds").map(Value::take).unwrap_or_default();
+        Some(Row {
+            id: id.to_owned(),
+            status: Status::Skipped,
+            error: None,
+            seconds: stages.get("total").and_then(Value::as_f64).unwrap_or(0.0),
+            stages,
+            distortion: report.get_mut("distortion").map(Value::take)?,
+        })
+    }
+
+    /// A measure of the map from source to target, such as `e_l2`.
+    pub fn measure(&self, name: &str) -> Option<f64> {
+        self.distortion.get("forward")?.get(name)?.as_f64()
+    }
+}
+
+/// A job that failed, part by part.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Failure {
+    /// The job's id.
+    pub id: String,
+    /// The stage it failed in.
+    pub stage: String,
+    /// The exit code that `homeo map` would have ended with.
+    pub code: u8,
+    /// The kind of error: bug, usage, input, unsolvable, device, late.
+    pub kind: String,
+    /// The file the error is about.
+    pub file: String,
+    /// What is wrong.
+    pub what: String,
+    /// The offending element.
+    pub element: String,
+    /// How to mend it.
+    pub remedy: String,
+    /// The fingerprint of the job's inputs, options and version; none if they could not be read.
+    pub input: Option<String>,
+}
+
+impl Failure {
+    /// What `error` says about a job.
+    pub fn new(id: &str, stage: &str, error: &Error, input: Option<&Fingerprint>) -> Self {
+        Failure {
+            id: id.to_owned(),
+            stage: stage.to_owned(),
+            code: error.kind.exit_code(),
+            kind: error.kind.name().to_owned(),
+            file: error.file.clone(),
+            what: error.what.clone(),
+            element: error.element.clone(),
+            remedy: error.remedy.clone(),
+            input: input.map(Fingerprint::to_string),
+        }
+    }
+}
