@@ -77,7 +77,7 @@ fn run(sweep: &Sweep) -> Result<usize, Error> {
         let RandomPair { meshes, landmarks } = random_pair(&draw(sweep, seed), seed);
         Loaded::of([&meshes[0], &meshes[1]], [&landmarks[0], &landmarks[1]])
     });
-    map_pairs(pairs, &MapOptions::default(), &device, &Silent, |Outcome { id, value, seconds }| {
+    map_pairs(pairs, &MapOptions::default(), &device, &Silent, |Outcome { id, value, seconds, .. }| {
         let seed = sweep.first + id.0 as u64;
         let what = draw(sweep, seed);
         let seconds = seconds.get("total").copied().unwrap_or_default();

@@ -1,5 +1,6 @@
 //! Opening an adapter, and the errors it reports behind our back.
 
+use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::fmt;
 use std::sync::{Arc, Mutex};
@@ -8,6 +9,7 @@ use crate::error::{Error, Result};
 
 use super::choice::{AdapterInfo, AdapterKind, DeviceChoice, Pick, REQUIRE_GPU, select};
 use super::dispatch::Pipeline;
+use super::gather::Gather;
 
 /// Where kernels run.
 #[derive(Debug)]
@@ -110,6 +112,7 @@ pub struct GpuDevice {
     pub(super) queue: wgpu::Queue,
     pub(super) limits: wgpu::Limits,
     pub(super) pipelines: Mutex<HashMap<&'static str, Arc<Pipeline>>>,
+    gathers: Mutex<HashMap<TypeId, Arc<dyn Any + Send + Sync>>>,
     info: AdapterInfo,
     faults: Arc<Mutex<Vec<Error>>>,
 }
@@ -135,12 +138,20 @@ impl GpuDevice {
         })?;
         let faults = Arc::new(Mutex::new(Vec::new()));
         record_faults(&device, &faults);
-        Ok(GpuDevice { device, queue, limits, pipelines: Mutex::default(), info, faults })
+        let (pipelines, gathers) = (Mutex::default(), Mutex::default());
+        Ok(GpuDevice { device, queue, limits, pipelines, gathers, info, faults })
     }
 
     /// The adapter behind this device.
     pub fn info(&self) -> &AdapterInfo {
         &self.info
+    }
+
+    /// Where those meet on this device who bring in work of type `T`.
+    pub fn gather<T: Send + 'static>(&self) -> Arc<Gather<T>> {
+        let mut gathers = self.gathers.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
+        let gather = gathers.entry(TypeId::of::<T>()).or_insert_with(|| Arc::new(Gather::<T>::default())).clone();
+        gather.downcast().expect("it was made for this type just above")
     }
 
     /// The first error recorded since the last call, if any; later ones are usually its consequences.

@@ -15,8 +15,10 @@ mod buffer;
 mod choice;
 mod device;
 mod dispatch;
+mod gather;
 
 pub use buffer::{GpuBuffer, padded_size};
 pub use choice::{AdapterInfo, AdapterKind, DeviceChoice, Pick, REQUIRE_GPU, select};
 pub use device::{Compute, Device, GpuDevice, adapters};
 pub use dispatch::{Access, Bindable, Kernel, Launch, Span, WORKGROUP, spans};
+pub use gather::Gather;

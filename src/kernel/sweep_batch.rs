@@ -1,13 +1,13 @@
 //! Sweeps over many domains at once: those of one mesh pair that share no patch, or of several pairs.
 //!
 //! Domains share no vertex, so all of them form one graph, and one dispatch per colour serves them all. A sweep goes
-//! through the colours forwards, the next one backwards.
+//! through the colours forwards, the next one backwards. Jobs that wait for the device go together, see [`Gather`].
 
 use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::gpu::{Compute, GpuDevice, Launch};
+use crate::gpu::{Compute, Gather, GpuDevice, Launch};
 use crate::solve::coloring::{self, Coloring};
 
 use super::rings::Lists;
@@ -19,6 +19,15 @@ use super::{check_indices, check_len};
 pub struct Piece {
     moving: Moving,
     coloring: Coloring,
+}
+
+impl Default for Piece {
+    /// A mesh without vertices.
+    fn default() -> Self {
+        let fans = Lists { starts: vec![0], items: Vec::new() };
+        let moving = Moving { fans, triangles: Vec::new(), sights: Vec::new(), positions: Vec::new() };
+        Piece { moving, coloring: Coloring { vertices: Vec::new(), starts: vec![0] } }
+    }
 }
 
 impl Piece {
@@ -111,8 +120,35 @@ pub fn sweep_all(compute: &Compute, pieces: &mut [Piece], count: usize) -> Resul
             });
             Ok(())
         }
-        Compute::Gpu(gpu) => on_device(gpu, pieces, count),
+        Compute::Gpu(gpu) => {
+            let own = pieces.iter_mut().map(std::mem::take).collect();
+            let gather: &Gather<Errand> = &gpu.gather();
+            let swept = gather.run(Errand { pieces: own, count }, may_join, |errands| on_device(gpu, errands))?;
+            pieces.iter_mut().zip(swept.pieces).for_each(|(piece, swept)| *piece = swept);
+            Ok(())
+        }
     }
+}
+
+/// What one caller wants swept.
+struct Errand {
+    pieces: Vec<Piece>,
+    count: usize,
+}
+
+impl Errand {
+    fn triangles(&self) -> usize {
+        self.pieces.iter().map(|piece| piece.moving.triangles.len()).sum()
+    }
+}
+
+/// More triangles gain nothing by going together, and buffers have limits.
+const MOST_TOGETHER: usize = 1 << 18;
+
+/// Errands go together if they want as many sweeps.
+fn may_join(others: &[(usize, Errand)], errand: &Errand) -> bool {
+    let total = others.iter().map(|(_, other)| other.triangles()).sum::<usize>() + errand.triangles();
+    total <= MOST_TOGETHER && others.iter().all(|(_, other)| other.count == errand.count)
 }
 
 /// The colours in the order in which `count` sweeps go through them.
@@ -120,8 +156,10 @@ fn order(colors: usize, count: usize) -> impl Iterator<Item = usize> {
     (0..count).flat_map(move |k| (0..colors).map(move |c| if k % 2 == 1 { colors - 1 - c } else { c }))
 }
 
-fn on_device(gpu: &GpuDevice, pieces: &mut [Piece], count: usize) -> Result<()> {
-    let (merged, colors) = merged(pieces)?;
+fn on_device(gpu: &GpuDevice, errands: &mut [(usize, Errand)]) -> Result<()> {
+    let count = errands.first().map_or(0, |(_, errand)| errand.count);
+    let mut pieces: Vec<&mut Piece> = errands.iter_mut().flat_map(|(_, errand)| &mut errand.pieces).collect();
+    let (merged, colors) = merged(&pieces)?;
     let Piece { moving, coloring } = merged;
     if coloring.vertices.is_empty() {
         return Ok(());
@@ -138,7 +176,7 @@ fn on_device(gpu: &GpuDevice, pieces: &mut [Piece], count: usize) -> Result<()> 
     gpu.submit(order(colors, count).map(|c| &launches[c]))?;
     let positions = gpu.download(&buffers.positions)?;
     let mut rest = positions.as_slice();
-    for Piece { moving, .. } in pieces {
+    for Piece { moving, .. } in &mut pieces {
         let (own, others) = rest.split_at(moving.positions.len());
         moving.positions.copy_from_slice(own);
         rest = others;
@@ -147,19 +185,14 @@ fn on_device(gpu: &GpuDevice, pieces: &mut [Piece], count: usize) -> Result<()> 
 }
 
 /// All pieces as one, and the number of its colours; a piece of fewer colours rests while the others are at theirs.
-fn merged(pieces: &[Piece]) -> Result<(Piece, usize)> {
+fn merged(pieces: &[&mut Piece]) -> Result<(Piece, usize)> {
     let total: usize = pieces.iter().map(|p| p.moving.triangles.len()).sum();
     if total > u32::MAX as usize / 4 {
         let what = format!("{total} triangles of domains at once");
         return Err(Error::device(what).remedy("run with --device cpu"));
     }
     let colors = pieces.iter().map(|p| p.coloring.colors()).max().unwrap_or(0);
-    let mut all = Moving {
-        fans: Lists { starts: vec![0], items: Vec::new() },
-        triangles: Vec::new(),
-        sights: Vec::new(),
-        positions: Vec::new(),
-    };
+    let mut all = Piece::default().moving;
     let mut classes = vec![Vec::new(); colors];
     for Piece { moving, coloring } in pieces {
         let (vertex, triangle) = (all.positions.len() as u32, all.triangles.len() as u32);

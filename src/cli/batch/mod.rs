@@ -14,6 +14,7 @@ use crate::pipeline::batch::merge::merge;
 use crate::pipeline::batch::plan::{Engine, write_plan};
 use crate::pipeline::batch::{BatchOptions, BatchResult, check_out, run_batch};
 use args::{BatchArgs, EngineChoice};
+use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
@@ -31,7 +32,7 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
     if let Some(out) = &args.merge {
         let rows = merge(out)?;
         let jobs = rows.len();
-        return Ok(report(&BatchResult { rows, jobs, stopped: false }, out, console));
+        return Ok(report(&BatchResult { rows, jobs, stage_seconds: BTreeMap::new(), stopped: false }, out, console));
     }
     let (Some(manifest), Some(out)) = (&args.manifest, &args.out) else {
         return Err(Error::usage("a manifest and --out are needed").remedy("see homeo batch --help"));

@@ -2,6 +2,7 @@
 
 use crate::cli::console::Console;
 use crate::cli::table::table;
+use crate::map::distortion::Measures;
 use crate::pipeline::batch::BatchResult;
 use crate::pipeline::batch::row::{Row, Status};
 use serde::Serialize;
@@ -10,6 +11,14 @@ use std::path::Path;
 
 /// Failures named in the summary at most; failed.jsonl has them all.
 const NAMED: usize = 10;
+
+/// What is summed up of every map from source to target.
+const MEASURES: [(&str, fn(&Measures) -> f64); 4] = [
+    ("e_l2", |m| m.e_l2),
+    ("e_ang", |m| m.e_ang),
+    ("symmetric_dirichlet", |m| m.symmetric_dirichlet),
+    ("flips", |m| m.flips as f64),
+];
 
 /// A batch in numbers, also what `--json` prints.
 #[derive(Debug, Serialize)]
@@ -28,8 +37,8 @@ pub struct Summary {
     pub stopped: bool,
     /// Median and worst of every measure of the maps from source to target.
     pub distortion: BTreeMap<&'static str, Spread>,
-    /// Mean seconds of every stage of the jobs done in this run.
-    pub stage_seconds: BTreeMap<String, f64>,
+    /// Mean seconds of every stage of the jobs done in this run, and `total`.
+    pub stage_seconds: BTreeMap<&'static str, f64>,
     /// How often each reason was given for a failure.
     pub failures: BTreeMap<String, usize>,
     /// The first failures: id and error.
@@ -52,22 +61,23 @@ impl Summary {
     pub fn of(result: &BatchResult) -> Self {
         let rows = &result.rows;
         let count = |status| rows.iter().filter(|row| row.status == status).count();
-        let measures = ["e_l2", "e_ang", "symmetric_dirichlet", "flips"];
         let failed: Vec<&Row> = rows.iter().filter(|row| row.status == Status::Failed).collect();
         let mut failures = BTreeMap::new();
         for row in &failed {
             *failures.entry(reason(row)).or_default() += 1;
         }
         let named = failed.iter().take(NAMED).map(|row| (row.id.clone(), row.error.clone().unwrap_or_default()));
+        let ok = count(Status::Ok);
+        let mean = |(&stage, sum): (&&'static str, &f64)| (stage, sum / ok.max(1) as f64);
         Summary {
             jobs: result.jobs,
-            ok: count(Status::Ok),
+            ok,
             skipped: count(Status::Skipped),
             failed: failed.len(),
             left: result.jobs.saturating_sub(rows.len()),
             stopped: result.stopped,
-            distortion: measures.iter().filter_map(|&name| Some((name, Spread::of(rows, name)?))).collect(),
-            stage_seconds: stage_seconds(rows),
+            distortion: MEASURES.iter().filter_map(|(name, value)| Some((*name, Spread::of(rows, value)?))).collect(),
+            stage_seconds: result.stage_seconds.iter().map(mean).collect(),
             failures,
             failed_jobs: named.collect(),
         }
@@ -75,10 +85,10 @@ impl Summary {
 }
 
 impl Spread {
-    /// None if no row has the measure.
-    fn of(rows: &[Row], name: &str) -> Option<Self> {
-        let mut values: Vec<(f64, &str)> =
-            rows.iter().filter_map(|row| Some((row.measure(name)?, row.id.as_str()))).collect();
+    /// None if no row has measures.
+    fn of(rows: &[Row], value: impl Fn(&Measures) -> f64) -> Option<Self> {
+        let one = |row: &'_ Row| Some(value(&row.distortion.as_ref()?.forward));
+        let mut values: Vec<(f64, &str)> = rows.iter().filter_map(|row| Some((one(row)?, row.id.as_str()))).collect();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
         let &(worst, worst_job) = values.last()?;
         Some(Spread { median: values[values.len() / 2].0, worst, worst_job: worst_job.to_owned() })
@@ -91,17 +101,6 @@ fn reason(row: &Row) -> String {
     let what = error.split_once(": ").map_or(error, |(_, rest)| rest);
     let end = what.find(" (").or_else(|| what.find(": ")).unwrap_or(what.len());
     what[..end].to_owned()
-}
-
-/// Means over the jobs that were done in this run.
-fn stage_seconds(rows: &[Row]) -> BTreeMap<String, f64> {
-    let done: Vec<&Row> = rows.iter().filter(|row| row.status == Status::Ok).collect();
-    let mut sums = BTreeMap::new();
-    for (stage, seconds) in done.iter().filter_map(|row| row.stages.as_object()).flatten() {
-        *sums.entry(stage.clone()).or_insert(0.0) += seconds.as_f64().unwrap_or(0.0);
-    }
-    sums.values_mut().for_each(|sum| *sum /= done.len().max(1) as f64);
-    sums
 }
 
 /// The numbers for people.
@@ -117,7 +116,7 @@ pub fn summary_text(summary: &Summary, out: &Path, console: &Console) -> String 
         }
         text += &format!("\n{}", table(&rows));
     }
-    let stages = summary.stage_seconds.iter().filter(|(stage, _)| *stage != "total");
+    let stages = summary.stage_seconds.iter().filter(|(stage, _)| **stage != "total");
     if let Some((stage, seconds)) = stages.max_by(|a, b| a.1.total_cmp(b.1)) {
         let total = summary.stage_seconds.get("total").copied().unwrap_or(0.0);
         text += &format!("\nslowest stage: {stage}, {seconds:.2} of {total:.2} s a job\n");

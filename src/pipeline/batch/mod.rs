@@ -36,6 +36,7 @@ use ledger::Ledger;
 use manifest::BatchJob;
 use row::{Failure, Row};
 use shard::Shard;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -65,6 +66,8 @@ pub struct BatchResult {
     pub rows: Vec<Row>,
     /// Jobs of this shard.
     pub jobs: usize,
+    /// Seconds that the jobs done in this run spent in every stage, together, and `total`.
+    pub stage_seconds: BTreeMap<&'static str, f64>,
     /// Whether the batch ended before all jobs were begun: it was told to, or too many failed.
     pub stopped: bool,
 }
@@ -100,6 +103,7 @@ pub fn run_batch(
         fingerprints: Mutex::new(Fingerprints::new(&options.map)),
         ledger: Mutex::new(ledger),
         failed: AtomicUsize::new(0),
+        stage_seconds: Mutex::default(),
         at_hand: own.iter().map(|_| Mutex::default()).collect(),
     };
     let templates = Templates::shared_by(own.iter().map(|job| &job.files));
@@ -107,8 +111,9 @@ pub fn run_batch(
     let due = own.iter().enumerate().take_while(|_| run.goes_on()).filter_map(|(i, job)| run.due(JobId(i), job));
     stream_maps(due, &options.map, device, &flow, &templates, |outcome| run.note(own[outcome.id.0], outcome));
     let stopped = !run.goes_on();
+    let stage_seconds = run.stage_seconds.into_inner().unwrap_or_else(PoisonError::into_inner);
     let rows = run.ledger.into_inner().unwrap_or_else(PoisonError::into_inner).close()?;
-    Ok(BatchResult { rows, jobs: own.len(), stopped })
+    Ok(BatchResult { rows, jobs: own.len(), stage_seconds, stopped })
 }
 
 /// A batch that runs.
@@ -119,6 +124,7 @@ struct Run<'a> {
     fingerprints: Mutex<Fingerprints>,
     ledger: Mutex<Ledger>,
     failed: AtomicUsize,
+    stage_seconds: Mutex<BTreeMap<&'static str, f64>>,
     /// The fingerprint of every job in the line.
     at_hand: Vec<Mutex<Option<Fingerprint>>>,
 }
@@ -152,10 +158,15 @@ impl Run<'_> {
     /// Notes what became of a job.
     fn note(&self, job: &BatchJob, outcome: Outcome<Report>) {
         let seconds = outcome.seconds.get("total").copied().unwrap_or(0.0);
+        let fingerprint = self.at_hand[outcome.id.0].lock().unwrap_or_else(PoisonError::into_inner).take();
         match outcome.value {
-            Ok(report) => self.end(Row::done(&job.id, &report), None),
+            Ok(report) => {
+                let mut sums = self.stage_seconds.lock().unwrap_or_else(PoisonError::into_inner);
+                outcome.seconds.iter().for_each(|(&stage, seconds)| *sums.entry(stage).or_default() += seconds);
+                drop(sums);
+                self.end(Row::done(&job.id, &report), None);
+            }
             Err(error) => {
-                let fingerprint = self.at_hand[outcome.id.0].lock().unwrap_or_else(PoisonError::into_inner).take();
                 let stage = outcome.failed_in.map_or("", |stage| stage.name());
                 let failure = Failure::new(&job.id, stage, &error, fingerprint.as_ref());
                 self.end(Row::failed(&job.id, &error, seconds), Some(failure));

@@ -2,10 +2,11 @@
 
 use super::fingerprint::Fingerprint;
 use crate::error::Error;
+use crate::map::distortion::Distortion;
 use crate::map::report::Report;
 use crate::stage::write::folder::REPORT_FILE;
 use serde::{Deserialize, Serialize};
-use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::Path;
 
 /// What became of a job.
@@ -32,51 +33,46 @@ pub struct Row {
     pub error: Option<String>,
     /// Wall-clock seconds from when it was read to its end; of a skipped job those it once took.
     pub seconds: f64,
-    /// Seconds of every stage.
-    #[serde(default, skip_serializing_if = "Value::is_null")]
-    pub stages: Value,
-    /// `distortion` of the job's report; null for one that failed.
-    pub distortion: Value,
+    /// Of the map from source to target, as in the job's report; null for one that failed.
+    pub distortion: Option<Distortion>,
+}
+
+/// What a row needs of a job's report.
+#[derive(Deserialize)]
+struct Finished {
+    seconds: BTreeMap<String, f64>,
+    distortion: Distortion,
 }
 
 impl Row {
     /// A job that was done just now.
     pub fn done(id: &str, report: &Report) -> Self {
-        let json = |value: Result<Value, serde_json::Error>| value.unwrap_or(Value::Null); // plain numbers by name
         Row {
             id: id.to_owned(),
             status: Status::Ok,
             error: None,
             seconds: report.seconds.get("total").copied().unwrap_or(0.0),
-            stages: json(serde_json::to_value(&report.seconds)),
-            distortion: json(serde_json::to_value(&report.distortion)),
+            distortion: Some(report.distortion),
         }
     }
 
     /// A job that failed after `seconds`.
     pub fn failed(id: &str, error: &Error, seconds: f64) -> Self {
         let error = Some(error.to_string().replace(['\n', '\r'], " "));
-        Row { id: id.to_owned(), status: Status::Failed, error, seconds, stages: Value::Null, distortion: Value::Null }
+        Row { id: id.to_owned(), status: Status::Failed, error, seconds, distortion: None }
     }
 
     /// A job whose results are in `place` already; none if they have no readable report.
     pub fn skipped(id: &str, place: &Path) -> Option<Self> {
-        let text = std::fs::read_to_string(place.join(REPORT_FILE)).ok()?;
-        let mut report: Value = serde_json::from_str(&text).ok()?;
-        let stages = report.get_mut("seconds").map(Value::take).unwrap_or_default();
+        let report = std::fs::read(place.join(REPORT_FILE)).ok()?;
+        let Finished { seconds, distortion } = serde_json::from_slice(&report).ok()?;
         Some(Row {
             id: id.to_owned(),
             status: Status::Skipped,
             error: None,
-            seconds: stages.get("total").and_then(Value::as_f64).unwrap_or(0.0),
-            stages,
-            distortion: report.get_mut("distortion").map(Value::take)?,
+            seconds: seconds.get("total").copied().unwrap_or(0.0),
+            distortion: Some(distortion),
         })
-    }
-
-    /// A measure of the map from source to target, such as `e_l2`.
-    pub fn measure(&self, name: &str) -> Option<f64> {
-        self.distortion.get("forward")?.get(name)?.as_f64()
     }
 }
 
