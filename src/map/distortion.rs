@@ -6,7 +6,7 @@
 
 use crate::mesh::{IdVec, VertexId, metric};
 use glam::DVec3;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// A triangle whose area is below this share of the mean is degenerate: its singular values are rounding noise.
 pub const DEGENERATE_SHARE: f64 = 1e-12;
@@ -18,13 +18,10 @@ const COLLAPSED: f64 = 1e300;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Root of the mean squared L2 stretch, weighted by image area; at least 1, and 1 only for an isometry up to scale.
-    #[serde(deserialize_with = "finite_or_not")]
     pub e_l2: f64,
     /// Mean over corners of |angle - angle'|, radians, weighted by area before.
-    #[serde(deserialize_with = "finite_or_not")]
     pub e_ang: f64,
     /// Mean of (G^2 + g^2 + 1/G^2 + 1/g^2) / 4, weighted by area before; 1 for an isometry up to scale.
-    #[serde(deserialize_with = "finite_or_not")]
     pub symmetric_dirichlet: f64,
     /// Triangles whose image is collapsed or turned over.
     pub flips: usize,
@@ -39,11 +36,6 @@ pub struct Distortion {
     pub backward: Measures,
     /// Triangles left out because they are degenerate before the map.
     pub degenerate_source: usize,
-}
-
-/// A number as JSON has it, which writes infinity as null.
-fn finite_or_not<'de, D: Deserializer<'de>>(json: D) -> Result<f64, D::Error> {
-    Ok(Option::deserialize(json)?.unwrap_or(f64::INFINITY))
 }
 
 /// Measures the piecewise linear map that moves the corners of `faces` from `before` to `after`.

@@ -12,7 +12,8 @@ use crate::gpu::{Device, DeviceChoice};
 use crate::pipeline::batch::manifest::read_manifest;
 use crate::pipeline::batch::merge::merge;
 use crate::pipeline::batch::plan::{Engine, write_plan};
-use crate::pipeline::batch::{BatchOptions, BatchResult, check_out, run_batch};
+use crate::pipeline::batch::shelf::Shelf;
+use crate::pipeline::batch::{BatchOptions, BatchResult, run_batch};
 use args::{BatchArgs, EngineChoice};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -30,23 +31,24 @@ const INTERRUPTED: u8 = 130;
 /// Runs the command; `arguments` is what was typed, the program's name first.
 pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &Console) -> Result<ExitCode> {
     if let Some(out) = &args.merge {
-        let rows = merge(out)?;
+        let shelf = Shelf::open(out)?;
+        let rows = merge(&shelf)?;
+        shelf.clear()?;
         let jobs = rows.len();
         return Ok(report(&BatchResult { rows, jobs, stage_seconds: BTreeMap::new(), stopped: false }, out, console));
     }
     let (Some(manifest), Some(out)) = (&args.manifest, &args.out) else {
         return Err(Error::usage("a manifest and --out are needed").remedy("see homeo batch --help"));
     };
-    check_out(out)?;
     let jobs = read_manifest(manifest)?;
     if let (Some(engine), Some(shards)) = (args.plan, args.shards) {
         return plan(engine, shards, [manifest, out], arguments, console);
     }
+    let shelf = Shelf::open(out)?;
     let Ok(choice) = global.device.parse::<DeviceChoice>();
     let device = Device::open(&choice)?;
     let options = BatchOptions {
         map: options(&args.options, global)?,
-        out: out.clone(),
         shard: args.shard,
         timeout: args.timeout,
         memory: args.memory.unwrap_or_else(default_memory),
@@ -55,8 +57,9 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
     let stop = stop_on_interrupt()?;
     let result = {
         let observer = progress::observer(global, &jobs, options.shard);
-        run_batch(&jobs, &options, &device, observer.as_ref(), &stop)?
+        run_batch(&jobs, &shelf, &options, &device, observer.as_ref(), &stop)?
     };
+    shelf.clear()?;
     let code = report(&result, out, console);
     Ok(if stop.load(Ordering::SeqCst) { ExitCode::from(INTERRUPTED) } else { code })
 }
@@ -81,11 +84,13 @@ fn plan(
         EngineChoice::Openjd => Engine::OpenJd,
     };
     let absolute = |path: &Path| std::path::absolute(path).map_err(|e| Error::io(path, &e));
-    let [whole_manifest, whole_out] = [absolute(manifest)?, absolute(out)?];
+    let is_address = out.to_string_lossy().contains("://");
+    let whole_out = if is_address { out.to_owned() } else { absolute(out)? };
+    let (whole_manifest, place) = (absolute(manifest)?, if is_address { Path::new("") } else { &whole_out });
     let mut words = vec!["batch".to_owned(), whole_manifest.display().to_string()];
     words.extend(["--out".to_owned(), whole_out.display().to_string()]);
     words.extend(options_typed(arguments, manifest));
-    let path = write_plan(engine, &words, &whole_out, shards)?;
+    let path = write_plan(engine, &words, [place, &whole_out], shards)?;
     console.result(&serde_json::json!({ "plan": path }), || format!("plan for {shards} shards: {}\n", path.display()));
     Ok(ExitCode::SUCCESS)
 }

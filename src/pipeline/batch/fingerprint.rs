@@ -34,10 +34,9 @@ impl Fingerprint {
         (SEAL_FILE.to_owned(), bytes)
     }
 
-    /// True if the results in a folder bear this fingerprint.
-    pub fn is_seal_of(&self, folder: &Path) -> bool {
-        let seal = std::fs::read(folder.join(SEAL_FILE)).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-        seal.is_some_and(|seal: Seal| seal.fingerprint == self.to_string())
+    /// True if the content of a [`SEAL_FILE`] bears this fingerprint.
+    pub fn is_sealed_by(&self, seal: &[u8]) -> bool {
+        serde_json::from_slice(seal).is_ok_and(|seal: Seal| seal.fingerprint == self.to_string())
     }
 }
 

@@ -1,23 +1,26 @@
 //! Joins the results of shards, after checking that every job was done exactly once.
 
-use super::ledger::{read_rows, write_rows};
+use super::fingerprint::SEAL_FILE;
+use super::ledger::{file_name, read_rows, write_rows};
 use super::record::read_record;
 use super::row::{Failure, Row, Status};
+use super::shelf::Shelf;
 use crate::error::{Error, Result};
-use crate::stage::write::folder::REPORT_FILE;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// Ids named in an error at most.
 const NAMED: usize = 5;
 
-/// Joins `results-I-of-N.jsonl` in `out` into results.jsonl, and the failures likewise; returns the rows in the order of
+/// Joins `results-I-of-N.jsonl` of a batch into results.jsonl, and the failures likewise; returns the rows in the order of
 /// the manifest.
 ///
 /// # Errors
 /// Input, if a job has no row or several, or a row of a finished job has no results: a shard is missing, has not ended, or
 /// the number of shards was changed half way.
-pub fn merge(out: &Path) -> Result<Vec<Row>> {
+pub fn merge(shelf: &Shelf) -> Result<Vec<Row>> {
+    shelf.fetch_tables()?;
+    let out = shelf.folder();
     let ids = read_record(out)?;
     let mut rows: HashMap<String, Row> = HashMap::with_capacity(ids.len());
     let mut twice = Vec::new();
@@ -32,15 +35,22 @@ pub fn merge(out: &Path) -> Result<Vec<Row>> {
     refuse(out, "jobs with several results", &twice, remedy)?;
     let missing: Vec<&String> = ids.iter().filter(|id| !rows.contains_key(*id)).collect();
     refuse(out, "jobs without a result", &missing, remedy)?;
-    let has_results = |row: &Row| row.status == Status::Failed || out.join(&row.id).join(REPORT_FILE).is_file();
-    let empty: Vec<&String> = ids.iter().filter(|id| rows.get(*id).is_some_and(|row| !has_results(row))).collect();
+    let mut empty = Vec::new();
+    for id in ids.iter().filter(|id| rows.get(*id).is_some_and(|row| row.status != Status::Failed)) {
+        if shelf.read(&format!("{id}/{SEAL_FILE}"))?.is_none() {
+            empty.push(id);
+        }
+    }
     refuse(out, "finished jobs whose folder is gone", &empty, "run their shards again")?;
     let mut failures = HashMap::new();
     for file in parts(out, "failed")? {
         failures.extend(read_rows::<Failure>(&file)?.into_iter().map(|failure| (failure.id.clone(), failure)));
     }
-    write_rows(&out.join("results.jsonl"), &ids, &mut rows)?;
-    write_rows(&out.join("failed.jsonl"), &ids, &mut failures)?;
+    let [results, failed] = ["results", "failed"].map(|name| file_name(out, name, None));
+    write_rows(&results, &ids, &mut rows)?;
+    write_rows(&failed, &ids, &mut failures)?;
+    shelf.put_file(&results)?;
+    shelf.put_file(&failed)?;
     Ok(ids.iter().filter_map(|id| rows.remove(id)).collect())
 }
 

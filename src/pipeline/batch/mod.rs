@@ -20,6 +20,8 @@ pub mod plan;
 pub mod record;
 pub mod row;
 pub mod shard;
+pub mod shelf;
+pub mod store;
 
 use super::flow::Flow;
 use super::job::{MapJob, MapOptions};
@@ -27,17 +29,18 @@ use super::line::{JobId, Outcome};
 use super::observer::Observer;
 use super::stages::stream_maps;
 use super::templates::Templates;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::gpu::Device;
 use crate::map::report::Report;
-use crate::stage::write::folder::clean_leftovers_of;
-use fingerprint::{Fingerprint, Fingerprints};
-use ledger::Ledger;
+use crate::stage::write::folder::{REPORT_FILE, clean_leftovers_of};
+use fingerprint::{Fingerprint, Fingerprints, SEAL_FILE};
+use ledger::{Ledger, file_name};
 use manifest::BatchJob;
+use record::RECORD_FILE;
 use row::{Failure, Row};
 use shard::Shard;
+use shelf::Shelf;
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -47,8 +50,6 @@ use std::time::Duration;
 pub struct BatchOptions {
     /// How each pair is mapped.
     pub map: MapOptions,
-    /// The folder of all results.
-    pub out: PathBuf,
     /// The part of the jobs to do; none: all.
     pub shard: Option<Shard>,
     /// Time for each job, from when it is read; none: any.
@@ -85,18 +86,21 @@ pub trait BatchObserver: Observer {
 /// row says why.
 pub fn run_batch(
     jobs: &[BatchJob],
+    shelf: &Shelf,
     options: &BatchOptions,
     device: &Device,
     observer: &dyn BatchObserver,
     stop: &AtomicBool,
 ) -> Result<BatchResult> {
     let ids: Vec<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
-    record::write_record(&options.out, &ids)?;
+    let out = shelf.folder();
+    record::write_record(out, &ids)?;
     let own: Vec<&BatchJob> = jobs.iter().filter(|job| options.shard.is_none_or(|s| s.holds(&job.id))).collect();
     let own_ids: Vec<&str> = own.iter().map(|job| job.id.as_str()).collect();
-    let ledger = Ledger::open(&options.out, options.shard, &own_ids)?;
-    clean_leftovers_of(&options.out, &own_ids.iter().copied().collect())?;
+    let ledger = Ledger::open(out, options.shard, &own_ids)?;
+    clean_leftovers_of(out, &own_ids.iter().copied().collect())?;
     let run = Run {
+        shelf,
         options,
         observer,
         stop,
@@ -113,11 +117,17 @@ pub fn run_batch(
     let stopped = !run.goes_on();
     let stage_seconds = run.stage_seconds.into_inner().unwrap_or_else(PoisonError::into_inner);
     let rows = run.ledger.into_inner().unwrap_or_else(PoisonError::into_inner).close()?;
+    for table in
+        [out.join(RECORD_FILE), file_name(out, "results", options.shard), file_name(out, "failed", options.shard)]
+    {
+        shelf.put_file(&table)?;
+    }
     Ok(BatchResult { rows, jobs: own.len(), stage_seconds, stopped })
 }
 
 /// A batch that runs.
 struct Run<'a> {
+    shelf: &'a Shelf,
     options: &'a BatchOptions,
     observer: &'a dyn BatchObserver,
     stop: &'a AtomicBool,
@@ -137,7 +147,6 @@ impl Run<'_> {
 
     /// The job for the line of stages; none if it is done already, or fails before it is begun.
     fn due(&self, id: JobId, job: &BatchJob) -> Option<(JobId, MapJob, Option<(String, Vec<u8>)>)> {
-        let place = self.options.out.join(&job.id);
         let fingerprint = self.fingerprints.lock().unwrap_or_else(PoisonError::into_inner).of(&job.files);
         let fingerprint = match fingerprint {
             Ok(fingerprint) => fingerprint,
@@ -146,20 +155,28 @@ impl Run<'_> {
                 return None;
             }
         };
-        if let Some(row) = finished_before(&job.id, &place, &fingerprint) {
-            self.end(row, None);
-            return None;
+        match self.finished_before(&job.id, &fingerprint) {
+            Ok(None) => {}
+            Ok(Some(row)) => {
+                self.end(row, None);
+                return None;
+            }
+            Err(error) => {
+                let failure = Failure::new(&job.id, "load", &error, Some(&fingerprint));
+                self.end(Row::failed(&job.id, &error, 0.0), Some(failure));
+                return None;
+            }
         }
         let seal = fingerprint.seal(&job.id);
         *self.at_hand[id.0].lock().unwrap_or_else(PoisonError::into_inner) = Some(fingerprint);
-        Some((id, MapJob { out: place, ..job.files.clone() }, Some(seal)))
+        Some((id, MapJob { out: self.shelf.folder().join(&job.id), ..job.files.clone() }, Some(seal)))
     }
 
     /// Notes what became of a job.
     fn note(&self, job: &BatchJob, outcome: Outcome<Report>) {
         let seconds = outcome.seconds.get("total").copied().unwrap_or(0.0);
         let fingerprint = self.at_hand[outcome.id.0].lock().unwrap_or_else(PoisonError::into_inner).take();
-        match outcome.value {
+        match outcome.value.and_then(|report| self.shelf.put_job(&job.id).map(|()| report)) {
             Ok(report) => {
                 let mut sums = self.stage_seconds.lock().unwrap_or_else(PoisonError::into_inner);
                 outcome.seconds.iter().for_each(|(&stage, seconds)| *sums.entry(stage).or_default() += seconds);
@@ -167,7 +184,7 @@ impl Run<'_> {
                 self.end(Row::done(&job.id, &report), None);
             }
             Err(error) => {
-                let stage = outcome.failed_in.map_or("", |stage| stage.name());
+                let stage = outcome.failed_in.map_or("write", |stage| stage.name());
                 let failure = Failure::new(&job.id, stage, &error, fingerprint.as_ref());
                 self.end(Row::failed(&job.id, &error, seconds), Some(failure));
             }
@@ -182,23 +199,14 @@ impl Run<'_> {
         self.observer.job_ended(&row);
         ledger.add(row, failure);
     }
-}
 
-/// The row of a job whose results are there already, made from the same inputs by the same options and version.
-fn finished_before(id: &str, place: &Path, fingerprint: &Fingerprint) -> Option<Row> {
-    if !fingerprint.is_seal_of(place) {
-        return None;
+    /// The row of a job whose results are there already, made from the same inputs by the same options and version.
+    fn finished_before(&self, id: &str, fingerprint: &Fingerprint) -> Result<Option<Row>> {
+        let seal = self.shelf.read(&format!("{id}/{SEAL_FILE}"))?;
+        if !seal.is_some_and(|seal| fingerprint.is_sealed_by(&seal)) {
+            return Ok(None);
+        }
+        let report = self.shelf.read(&format!("{id}/{REPORT_FILE}"))?;
+        Ok(report.and_then(|report| Row::skipped(id, &report)))
     }
-    Row::skipped(id, place)
-}
-
-/// Refuses a place for results that is a file.
-///
-/// # Errors
-/// Usage; says how to mend it.
-pub fn check_out(out: &Path) -> Result<()> {
-    if out.exists() && !out.is_dir() {
-        return Err(Error::usage("the output place is a file").file(out).remedy("name a folder"));
-    }
-    Ok(())
 }

@@ -37,10 +37,10 @@ impl Engine {
     }
 }
 
-/// Writes the plan for `shards` parts into `out`; `arguments` are those of `homeo` without the shard: `batch`, the
+/// Writes the plan for `shards` parts of a batch with results in `out` into the folder `place`; `arguments` are those of `homeo` without the shard: `batch`, the
 /// manifest, `--out`, the options. Returns where it is.
-pub fn write_plan(engine: Engine, arguments: &[String], out: &Path, shards: u32) -> Result<PathBuf> {
-    let path = out.join(engine.file_name());
+pub fn write_plan(engine: Engine, arguments: &[String], [place, out]: [&Path; 2], shards: u32) -> Result<PathBuf> {
+    let path = place.join(engine.file_name());
     let text = plan(engine, arguments, out, shards);
     write_file(&path, |file| file.write_all(text.as_bytes()))?;
     Ok(path)

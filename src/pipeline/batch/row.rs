@@ -4,10 +4,8 @@ use super::fingerprint::Fingerprint;
 use crate::error::Error;
 use crate::map::distortion::Distortion;
 use crate::map::report::Report;
-use crate::stage::write::folder::REPORT_FILE;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// What became of a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -62,10 +60,9 @@ impl Row {
         Row { id: id.to_owned(), status: Status::Failed, error, seconds, distortion: None }
     }
 
-    /// A job whose results are in `place` already; none if they have no readable report.
-    pub fn skipped(id: &str, place: &Path) -> Option<Self> {
-        let report = std::fs::read(place.join(REPORT_FILE)).ok()?;
-        let Finished { seconds, distortion } = serde_json::from_slice(&report).ok()?;
+    /// A job that has a report already; none if it cannot be read.
+    pub fn skipped(id: &str, report: &[u8]) -> Option<Self> {
+        let Finished { seconds, distortion } = serde_json::from_slice(report).ok()?;
         Some(Row {
             id: id.to_owned(),
             status: Status::Skipped,
