@@ -44,12 +44,13 @@
 //! [`app::morph`] puts finished maps into one file as morph targets. [`app::diffusion`] gives the regions of a mesh coordinates
 //! by fronts from their sides ([`path::side_front`]), and maps equal regions of two meshes onto each other.
 //! [`app::constrained`] lays a disc onto an image with vertices exactly where the user wants them; where they cannot walk
-//! there, [`plane::warp`] warps a base mesh in their stead. [`picture::render`] draws previews.
+//! there, [`plane::warp`] warps a base mesh in their stead. [`picture::render`] draws previews, and [`view`] makes the pages that
+//! show results.
 //!
 //! # Who may import whom
 //!
 //! ```text
-//! cli -> pipeline -> app, stage, shape -> map, kernel -> path, plane, solve, picture, gpu -> mesh -> error
+//! cli -> pipeline -> app, stage, shape -> view -> map, kernel -> path, plane, solve, picture, gpu -> mesh -> error
 //! ```
 //!
 //! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in
@@ -146,5 +147,6 @@ pub mod plane;
 pub mod shape;
 pub mod solve;
 pub mod stage;
+pub mod view;
 
 pub use error::{Error, ErrorKind, Result};

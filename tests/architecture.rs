@@ -14,14 +14,18 @@ const LEVELS: [&[&str]; 8] = [
     &["mesh"],
     &["path", "plane", "solve", "gpu", "picture"],
     &["map", "kernel"],
+    &["view"],
     &["stage", "app", "shape"],
     &["pipeline"],
     &["cli"],
 ];
 
 /// Rooms that may import less than their level allows.
-const NARROWER: [(&str, &[&str]); 2] =
-    [("shape", &["error", "mesh"]), ("map", &["error", "mesh", "path", "plane", "solve"])];
+const NARROWER: [(&str, &[&str]); 3] = [
+    ("shape", &["error", "mesh"]),
+    ("map", &["error", "mesh", "path", "plane", "solve"]),
+    ("view", &["error", "mesh", "picture", "map"]),
+];
 
 /// Outside crates and the parts of `src/` that may name them.
 const DOORS: [(&str, &[&str]); 18] = [
