@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// The rooms by level, lowest first. A room may import lower levels, and rooms beside it as long as those do not
 /// import it in turn.
-const LEVELS: [&[&str]; 8] = [
+const LEVELS: [&[&str]; 9] = [
     &["error"],
     &["deadline"],
     &["mesh"],

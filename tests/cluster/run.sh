@@ -9,12 +9,12 @@ engines=${ENGINES:-$scratch/engines}
 if [[ ! -e $engines/complete ]]; then
     rm -rf "$engines"
     python3 -m venv "$engines"
-    "$engines/bin/pip" install --quiet --disable-pip-version-check dask distributed openjd-cli
+    "$engines/bin/pip" install --quiet --disable-pip-version-check dask distributed openjd-cli 'moto[server]' boto3
     touch "$engines/complete"
 fi
 
 if (($# == 0)); then
-    (cd "$here/../.." && cargo build --release)
+    (cd "$here/../.." && cargo build --release --features object-storage)
     set -- "${CARGO_TARGET_DIR:-$here/../../target}/release/homeo"
 fi
 HOMEO=$(realpath "$1")
@@ -62,3 +62,11 @@ for step in shards merge; do
 done
 exactly_once openjd
 say "ok: Open Job Description, checked and run"
+
+if "$HOMEO" batch "$scratch/manifest.csv" --out s3://none/none 2>&1 | grep -q "no object storage"; then
+    say "SKIPPED: object storage, which this program was built without"
+else
+    batch folder
+    "$engines/bin/python" "$here/s3_store.py" "$HOMEO" "$scratch/manifest.csv" "$scratch/folder"
+    say "ok: object storage"
+fi

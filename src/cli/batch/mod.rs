@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
 use crate::pipeline::batch::manifest::read_manifest;
 use crate::pipeline::batch::merge::merge;
+use crate::pipeline::batch::page::write_page;
 use crate::pipeline::batch::plan::{Engine, write_plan};
 use crate::pipeline::batch::shelf::Shelf;
 use crate::pipeline::batch::{BatchOptions, BatchResult, run_batch};
@@ -33,6 +34,9 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
     if let Some(out) = &args.merge {
         let shelf = Shelf::open(out)?;
         let rows = merge(&shelf)?;
+        if !global.no_report {
+            write_page(&shelf, &out.to_string_lossy(), &rows)?;
+        }
         shelf.clear()?;
         let jobs = rows.len();
         return Ok(report(&BatchResult { rows, jobs, stage_seconds: BTreeMap::new(), stopped: false }, out, console));
@@ -59,6 +63,9 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
         let observer = progress::observer(global, &jobs, options.shard);
         run_batch(&jobs, &shelf, &options, &device, observer.as_ref(), &stop)?
     };
+    if !global.no_report && options.shard.is_none() {
+        write_page(&shelf, &manifest.to_string_lossy(), &result.rows)?;
+    }
     shelf.clear()?;
     let code = report(&result, out, console);
     Ok(if stop.load(Ordering::SeqCst) { ExitCode::from(INTERRUPTED) } else { code })

@@ -16,6 +16,7 @@ pub mod fingerprint;
 pub mod ledger;
 pub mod manifest;
 pub mod merge;
+pub mod page;
 pub mod plan;
 pub mod record;
 pub mod row;

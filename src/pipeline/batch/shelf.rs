@@ -53,14 +53,19 @@ impl Shelf {
         }
     }
 
+    /// False if a file of the results is surely not there; a store is not asked.
+    pub fn may_hold(&self, name: &str) -> bool {
+        self.store.is_some() || self.folder.join(name).is_file()
+    }
+
     /// Puts a job's finished folder where it belongs.
     pub fn put_job(&self, id: &str) -> Result<()> {
         let Some(store) = &self.store else { return Ok(()) };
         let folder = self.folder.join(id);
         let mut names = files_below(&folder)?;
         names.sort_by_key(|name| name == SEAL_FILE);
-        if let Some(old) = store.read(&format!("{id}/{SEAL_FILE}"))? {
-            drop(old);
+        // Old results lose their seal before the first of them is replaced.
+        if store.read(&format!("{id}/{SEAL_FILE}"))?.is_some() {
             store.remove(&format!("{id}/{SEAL_FILE}"))?;
         }
         for name in names {
