@@ -48,7 +48,7 @@ say "ok: Dask, one worker killed half way"
 batch slurm --plan slurm --shards 3
 bash -n "$scratch/slurm/plan_slurm.sh"
 for part in 1 2 3; do
-    SLURM_ARRAY_TASK_ID=$part SLURM_CPUS_PER_TASK=1 bash "$scratch/slurm/plan_slurm.sh"
+    SLURM_ARRAY_TASK_ID=$part bash "$scratch/slurm/plan_slurm.sh"
 done
 bash "$scratch/slurm/plan_slurm.sh" merge
 exactly_once slurm

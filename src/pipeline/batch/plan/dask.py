@@ -24,8 +24,8 @@ def program():
 
 def run_shard(part):
     """Runs one shard to its end; raises if homeo itself could not run it."""
-    command = [program(), *ARGUMENTS, "--shard", f"{part}/{SHARDS}", "--quiet"]
-    done = subprocess.run(command, stderr=subprocess.PIPE, text=True)
+    command = [program(), *ARGUMENTS, "--shard", f"{part}/{SHARDS}"]
+    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     if done.returncode not in (0, FAILED_JOBS):
         raise RuntimeError(f"shard {part}: exit code {done.returncode}: {done.stderr[-2000:]}")
     return part, done.returncode

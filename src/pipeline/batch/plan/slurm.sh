@@ -23,5 +23,4 @@ if [ "${1:-}" = merge ]; then
     exec "$homeo" batch --merge @OUT@
 fi
 
-exec "$homeo" @ARGUMENTS@ --shard "${SLURM_ARRAY_TASK_ID:?run this with sbatch}/@SHARDS@" \
-    --threads "${SLURM_CPUS_PER_TASK:-4}" --quiet
+exec "$homeo" @ARGUMENTS@ --shard "${SLURM_ARRAY_TASK_ID:?run this with sbatch}/@SHARDS@"
