@@ -2,6 +2,7 @@
 
 use super::args::{DiffuseArgs, FrontChoice, Global};
 use super::console::Console;
+use super::map::page;
 use super::table::table;
 use crate::app::diffusion::job::{DiffuseJob, Onto, RegionSource, TextureJob, run as run_job};
 use crate::app::diffusion::{DiffusionOptions, DiffusionReport};
@@ -34,6 +35,7 @@ pub fn run(args: &DiffuseArgs, global: &Global, console: &Console) -> Result<Exi
         onto,
         texture: args.texture.clone().map(|image| TextureJob { image, size: args.size, padding: args.padding }),
         out: args.out.clone(),
+        command: page(global).map(|page| page.command),
     };
     let report = run_job(&job, &|| compute(global))?;
     report.warnings.iter().for_each(|w| console.warn(w));

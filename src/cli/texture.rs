@@ -2,6 +2,7 @@
 
 use super::args::{Global, TextureArgs};
 use super::console::Console;
+use super::map::page;
 use crate::app::constrained::job::{TextureJob, TextureReport, texture};
 use crate::error::Result;
 use crate::gpu::{Device, DeviceChoice};
@@ -17,6 +18,7 @@ pub fn run(args: &TextureArgs, global: &Global, console: &Console) -> Result<Exi
         constraints: args.constraints.clone(),
         seam: args.seam.clone(),
         out: args.out.clone(),
+        command: page(global).map(|page| page.command),
     };
     let report = texture(&job, &compute)?;
     report.warnings.iter().for_each(|w| console.warn(w));

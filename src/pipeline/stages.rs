@@ -25,8 +25,8 @@ pub fn run_maps(
         let loaded = Line::start(scope, observer, jobs).then(Stage::Load, steps::load);
         checked_to_composed(loaded, options, compute)
             .then(Stage::Refine, |pair, step| steps::refine(pair, options.refine.as_ref(), step))
-            .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, options.layered, step))
-            .then(Stage::Write, |pair, step| steps::write(pair, device, step))
+            .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options, step))
+            .then(Stage::Write, |pair, step| steps::write(pair, device, options.page.as_ref(), step))
             .finish(take);
     });
 }
