@@ -3,6 +3,7 @@
 use super::args::{Global, TextureArgs};
 use super::console::Console;
 use super::map::page;
+use super::summary::{PAGE, invitation};
 use crate::app::constrained::job::{TextureJob, TextureReport, texture};
 use crate::error::Result;
 use crate::gpu::{Device, DeviceChoice};
@@ -22,7 +23,7 @@ pub fn run(args: &TextureArgs, global: &Global, console: &Console) -> Result<Exi
     };
     let report = texture(&job, &compute)?;
     report.warnings.iter().for_each(|w| console.warn(w));
-    console.result(&report, || summary(&report, args));
+    console.result(&report, || summary(&report, args) + &invitation(&[args.out.join(PAGE)]));
     Ok(ExitCode::SUCCESS)
 }
 

@@ -16,7 +16,7 @@
 //! rows of a batch --- batch ---> batch.html              web/batch/
 //! ```
 //!
-//! Every page is one self-contained file. Text from outside is escaped wherever it goes ([`html`]); no page names an address.
+//! Every page is one self-contained file. Text from outside is escaped wherever it goes (`html`); no page names an address.
 //! Apart from times and the command the same result gives the same bytes, on any number of threads.
 
 mod base64;

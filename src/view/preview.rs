@@ -12,8 +12,8 @@ use crate::picture::render::{Camera, Color, Dot, Lens, Line, Paint, Scene, color
 use glam::DVec3;
 
 /// Height of each of the three views, pixels; their width follows the meshes, within bounds.
-const HEIGHT: usize = 400;
-const WIDTHS: [f64; 2] = [280.0, 620.0];
+const HEIGHT: usize = 320;
+const WIDTHS: [f64; 2] = [220.0, 500.0];
 /// Where the viewer stands, of viewers' terms: before the mesh, a little to the side and above.
 const TOWARDS: DVec3 = DVec3::new(0.55, 0.3, 0.78);
 const INK: u32 = 0x20242c;

@@ -135,7 +135,7 @@ fn steps<'a>(places: impl Iterator<Item = &'a DVec3>) -> String {
 fn uv_box(uv: &[[DVec2; 3]]) -> Option<[f64; 4]> {
     let finite = uv.iter().flatten().filter(|p| p.is_finite());
     let (low, high) = finite.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(l, h), p| (l.min(*p), h.max(*p)));
-    (low.x <= high.x).then(|| [low.x, low.y, high.x - low.x, high.y - low.y])
+    (low.x <= high.x).then_some([low.x, low.y, high.x - low.x, high.y - low.y])
 }
 
 /// Texture coordinates by their place in the box, in steps of 1/65534; 65535 twice where there are none.

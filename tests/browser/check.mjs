@@ -42,7 +42,7 @@ async function colours(page) {
   return page.evaluate(async () => {
     window.homeo.draw();
     const canvas = document.getElementById("canvas");
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
     copy.drawImage(canvas, 0, 0);
     const { data } = copy.getImageData(0, 0, canvas.width, canvas.height);
     const seen = new Set();
@@ -118,7 +118,7 @@ async function hovering(page, name) {
   const shown = await page.evaluate((places) => {
     window.homeo.draw();
     const canvas = document.getElementById("canvas");
-    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+    const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d", { willReadFrequently: true });
     copy.drawImage(canvas, 0, 0);
     return window.homeo.scene.panels.slice(1).map((panel, i) => {
       const [x, y] = window.homeo.seen(i + 1, places);
@@ -128,6 +128,23 @@ async function hovering(page, name) {
   }, hover.places);
   assert(shown.every(Boolean), `${name}: the image point is not shown in every panel: ${shown}`);
   await page.mouse.move(2, 2);
+}
+
+/** Some mark is in sight, and its name is shown when the pointer is on it. */
+async function naming(page, name) {
+  const marks = await page.evaluate(() => {
+    const panel = document.querySelector(".panel").getBoundingClientRect();
+    return window.homeo.scene.marks.map(({ name, places }) => {
+      const [x, y] = window.homeo.seen(0, places);
+      return { name, x: panel.left + x, y: panel.top + y };
+    });
+  });
+  for (const mark of marks) {
+    await page.mouse.move(mark.x, mark.y);
+    await settled(page);
+    if ((await page.locator("#tip").textContent()).includes(mark.name)) return;
+  }
+  assert(marks.length === 0, `${name}: no mark shows its name`);
 }
 
 async function turning(page, name) {
@@ -165,6 +182,8 @@ async function report(name) {
   assert((await colours(page)) > 12, `${name}: the canvas is blank`);
   await noOverflow(page, name);
   await hovering(page, name);
+  await naming(page, name);
+  await page.mouse.move(2, 2);
   await everyControl(page, name);
   await turning(page, name);
   if (await page.locator("#morph").isVisible()) await sliding(page, name);

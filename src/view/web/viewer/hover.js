@@ -28,16 +28,22 @@ function onOther(there, here, hover) {
 }
 
 /** The mark under the pointer that the surface does not hide, if there is one. */
-function markUnder(scene, panel, frame, x, y, hover) {
-  let [best, nearest] = [null, 13];
-  marksOn(scene, panel.surface).forEach((mark) => {
+function markUnder(scene, panel, frame, x, y) {
+  const near = marksOn(scene, panel.surface).map((mark) => {
     const place = mixed(mark.places[0], mark.places[1] ?? mark.places[0], frame.slide);
-    const [u, v, away] = seenAt(frame.matrices, panel, place);
-    const isHidden = hover && away > hover.distance + 0.08;
-    const distance = Math.hypot(u - x, v - y);
-    if (distance < nearest && !isHidden) [best, nearest] = [mark, distance];
+    const [u, v] = seenAt(frame.matrices, panel, place);
+    return { mark, place, u, v, distance: Math.hypot(u - x, v - y) };
   });
-  return best && { mark: best, number: scene.marks.indexOf(best) + 1 };
+  const found = near.filter(({ distance }) => distance < 13).sort((a, b) => a.distance - b.distance)
+    .find((candidate) => !isHidden(scene.surfaces[panel.surface], panel, frame, candidate));
+  return found ? { mark: found.mark, number: scene.marks.indexOf(found.mark) + 1 } : null;
+}
+
+/** True if a surface lies well before a point that appears at (u, v). */
+function isHidden(surface, panel, frame, { place, u, v }) {
+  const ray = rayThrough(frame.matrices, panel, u, v);
+  const hit = pick(surface, frame.slide, ray);
+  return hit !== null && hit.distance < Math.hypot(...add(place, scaled(ray.start, -1))) - 0.06;
 }
 
 /** What there is to say about a point, a line each. */

@@ -34,7 +34,7 @@ function newViewer(scene, canvas, gl) {
       const frame = frames.get(panel);
       if (!frame) return;
       state.hover = pointUnder(scene, panel, frame, x, y);
-      const found = state.marks ? markUnder(scene, panel, frame, x, y, state.hover) : null;
+      const found = state.marks ? markUnder(scene, panel, frame, x, y) : null;
       showTip(canvas, wordsFor(scene, state.hover, found), panel, x, y);
       redraw();
     },
