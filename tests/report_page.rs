@@ -163,6 +163,7 @@ fn map_writes_a_page_unless_told_not_to() {
         page(&dir)
     });
     assert!(pages[0].contains("homeo map ") && pages[0].contains("--threads 1"));
+    assert_eq!(pages[0].matches("<figure><img src=\"data:image/png;base64,").count(), 4, "geometry images");
     assert!(scene(&pages[0])["patch_colors"].as_array().is_some_and(|colors| !colors.is_empty()));
     pages = pages.map(|page| lasting(&page));
     assert!(pages[0] == pages[1], "the page depends on the number of threads");
