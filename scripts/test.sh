@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Runs all tests, kernel parity on a compute device included; arguments go to `cargo test`.
+# Runs all tests, kernel parity on a compute device and pages in a browser included; arguments go to `cargo test`.
 #
-# Where no Vulkan driver is found, the software driver lavapipe is installed with apt-get (as root or with sudo).
+# Where no Vulkan driver is found, the software driver lavapipe is installed with apt-get (as root or with sudo), and so are
+# Chromium and Node.js; npm fetches playwright-core. HOMEO_REQUIRE_BROWSER=0 does without a browser.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -22,27 +23,42 @@ has_driver() {
     ((${#drivers[@]} > 0))
 }
 
-install_lavapipe() {
-    local as_root=()
+# True if there is what tests/browser/run.sh needs.
+has_browser() {
+    local name
+    command -v node >/dev/null && command -v npm >/dev/null || return 1
+    [[ -n ${HOMEO_CHROMIUM:-} ]] && return 0
+    for name in chromium chromium-browser google-chrome; do
+        command -v "$name" >/dev/null && return 0
+    done
+    return 1
+}
+
+# Installs packages, the first argument says what for.
+install() {
+    local what=$1 as_root=()
+    shift
     if ! command -v apt-get >/dev/null; then
-        say "no Vulkan driver found, and no apt-get to install one with."
-        say "install your system's package of Mesa's lavapipe (often mesa-vulkan-drivers) and the Vulkan loader, then run this again"
+        say "no $what found, and no apt-get to install one with: install your system's packages for $*, then run this again"
         exit 1
     fi
     if [[ $(id -u) -ne 0 ]]; then
         if ! command -v sudo >/dev/null; then
-            say "no Vulkan driver found; as root, run: apt-get install mesa-vulkan-drivers libvulkan1"
+            say "no $what found; as root, run: apt-get install $*"
             exit 1
         fi
         as_root=(sudo)
     fi
-    say "installing lavapipe (mesa-vulkan-drivers, libvulkan1)"
+    say "installing $*"
     "${as_root[@]}" apt-get update -qq
-    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y -qq --no-install-recommends mesa-vulkan-drivers libvulkan1 >/dev/null
+    "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@" >/dev/null
 }
 
-has_driver || install_lavapipe
+export HOMEO_REQUIRE_BROWSER=${HOMEO_REQUIRE_BROWSER:-1} # without a browser its test fails instead of being skipped
+has_driver || install "Vulkan driver" mesa-vulkan-drivers libvulkan1
+if [[ $HOMEO_REQUIRE_BROWSER == 1 ]]; then
+    has_browser || install "browser with Node.js" chromium nodejs npm
+fi
 
 runtime=$(mktemp -d)
 trap 'rm -rf "$runtime"' EXIT

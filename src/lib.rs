@@ -31,9 +31,9 @@
 //!        | refine     vertices where compatible meshes miss, if wanted mesh::subdivision, mesh::salience, map::lift
 //!        | bake       sample both meshes over one atlas                map::atlas, kernel::resample
 //!        |            from here on in the files' order
-//!        | write      a folder that appears complete or not at all     map::report
+//!        | write      a folder that appears complete or not at all     map::report, view
 //!        v
-//!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json
+//!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json; report.html and preview.png to look at
 //! ```
 //!
 //! # Other jobs

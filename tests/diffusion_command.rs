@@ -105,7 +105,9 @@ fn the_folder_holds_what_the_next_run_can_read() {
     let out = files.path("out");
     let made = report(&["diffuse", &mesh, "--segment", "6", "--out", &out]);
     assert_eq!(made["mesh"]["regions"].as_array().map(Vec::len), Some(6));
-    for name in ["mesh.obj", "mesh.mtl", "grid.png", "preview.png", "uv.csv", "regions.json", "report.json"] {
+    let names =
+        ["mesh.obj", "mesh.mtl", "grid.png", "preview.png", "uv.csv", "regions.json", "report.json", "report.html"];
+    for name in names {
         assert!(Path::new(&out).join(name).is_file(), "{name}");
     }
     let textured = read_mesh(&Path::new(&out).join("mesh.obj")).expect("a mesh");

@@ -208,6 +208,29 @@ fn assert_near(found: &[DVec3], expected: &[DVec3], tolerance: f64) {
 const ROUNDING: f64 = 5e-7;
 
 #[test]
+fn a_moving_picture_goes_to_the_target_and_back() {
+    let files = Files::mapped("gif");
+    let gif = files.path("ball.gif");
+    let run = || {
+        let output = homeo(&["morph", &files.path("to_egg"), "--json", "--gif", &gif]);
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let result: Value = serde_json::from_slice(&output.stdout).expect("JSON on stdout");
+        assert!(result["file"].is_null() && result["gif"].as_str() == Some(gif.as_str()));
+        fs::read(&gif).expect("the file is there")
+    };
+    let bytes = run();
+    assert!(bytes.starts_with(b"GIF89a") && bytes == run(), "the same bytes on every run");
+    use image::AnimationDecoder;
+    let decoder = image::codecs::gif::GifDecoder::new(std::io::Cursor::new(&bytes)).expect("a GIF file");
+    let frames = decoder.into_frames().collect_frames().expect("all frames are sound");
+    let stills: Vec<_> = frames.iter().map(|f| f.buffer().as_raw()).collect();
+    assert!(stills.len() > 20 && stills[0] != stills[stills.len() / 2], "the shape changes");
+    assert_eq!(stills[1], stills[stills.len() - 1], "the way back is the way there");
+    let wrong = homeo(&["morph", &files.path("to_egg"), "--gif", "a.png"]);
+    assert_eq!(wrong.status.code(), Some(2));
+}
+
+#[test]
 fn two_maps_make_two_targets_in_the_order_of_the_vertices() {
     let files = Files::mapped("two");
     files.map("pear", |p| p * DVec3::new(1.0 - 0.3 * p.z, 1.0 - 0.3 * p.z, 1.4));

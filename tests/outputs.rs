@@ -338,6 +338,7 @@ impl Identity {
             images: Some(&images),
             device: "CPU",
             warnings: Vec::new(),
+            shown: None,
         };
         write(&product, dir, || [("total", 0.5)].into()).expect("the place is free")
     }

@@ -98,6 +98,7 @@ fn constraints_are_in_the_file_to_the_last_bit_and_order_is_kept() {
     assert_eq!(fs::read(out.join("image.png")).expect("a copy"), fs::read(files.0.join("image.png")).expect("a file"));
     assert!(fs::read_to_string(out.join("mesh.mtl")).expect("a library").contains("map_Kd image.png"));
     assert!(image::open(out.join("preview.png")).expect("a picture").width() > 1000);
+    assert!(fs::read_to_string(out.join("report.html")).expect("a page").contains("every constraint met exactly"));
 }
 
 #[test]

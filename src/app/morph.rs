@@ -1,5 +1,6 @@
-//! `morph`: finished maps of one source as morph targets of one GLB file, and as steps in OBJ files.
+//! `morph`: finished maps of one source as morph targets of one GLB file, as steps in OBJ files, and as a moving picture.
 
+mod animation;
 mod frames;
 mod texture;
 
@@ -7,6 +8,7 @@ use super::MapFolder;
 use crate::error::{Error, Result};
 use crate::mesh::io::{MeshFile, Morph, MorphTarget, write_morph};
 use crate::stage::write::write_file;
+use animation::animation;
 use frames::Frame;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -16,8 +18,10 @@ use std::path::{Path, PathBuf};
 pub struct MorphJob {
     /// Folders of finished maps of one source; each gives one target.
     pub folders: Vec<PathBuf>,
-    /// The GLB file.
-    pub out: PathBuf,
+    /// The GLB file; OBJ steps are written beside it.
+    pub out: Option<PathBuf>,
+    /// A GIF file.
+    pub gif: Option<PathBuf>,
     /// Number of OBJ steps per target, the source and the target's shape included: 2 at least; none if absent.
     pub frames: Option<usize>,
     /// A PNG or JPEG file as colour texture; by default the first one of the source's materials.
@@ -30,7 +34,9 @@ pub struct MorphJob {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct MorphResult {
     /// The GLB file.
-    pub file: String,
+    pub file: Option<String>,
+    /// The GIF file.
+    pub gif: Option<String>,
     /// Number of the mesh's vertices.
     pub vertices: usize,
     /// Number of vertices that were appended along seams of texture coordinates, in the GLB file only.
@@ -52,20 +58,33 @@ pub struct MorphResult {
 pub fn morph(job: &MorphJob) -> Result<MorphResult> {
     let (mesh, targets) = read_shapes(job)?;
     let (texture, warnings) = texture::choose(job.texture.as_deref(), &mesh)?;
-    let name = stem(&job.out);
     let image = texture.as_ref().map(|t| &t.image);
-    let glb =
-        write_morph(&Morph { mesh: &mesh, name: &name, targets: &targets, image }).map_err(|e| e.file(&job.out))?;
-    let frames = job.frames.map_or_else(Vec::new, |count| frames::plan(&job.out, &targets, count));
+    let packed = |out: &PathBuf| {
+        let morph = Morph { mesh: &mesh, name: &stem(out), targets: &targets, image };
+        write_morph(&morph).map_err(|e| e.file(out))
+    };
+    let glb = job.out.as_ref().map(packed).transpose()?;
+    let steps = job.frames.zip(job.out.as_ref());
+    let frames = steps.map_or_else(Vec::new, |(count, out)| frames::plan(out, &targets, count));
     spare_input(job, &mesh, &frames)?;
+    let shown = texture.as_ref().map(|t| t.path.as_path());
+    let packed = |gif| animation(&mesh, &targets, shown).map(|bytes| (gif, bytes));
+    let moving = job.gif.as_ref().map(packed).transpose()?;
     for frame in &frames {
         frame.write(&mesh)?;
     }
-    write_file(&job.out, |out| out.write_all(&glb.bytes))?;
+    if let Some((gif, bytes)) = &moving {
+        write_file(gif, |file| file.write_all(bytes))?;
+    }
+    if let Some((glb, out)) = glb.as_ref().zip(job.out.as_ref()) {
+        write_file(out, |file| file.write_all(&glb.bytes))?;
+    }
+    let name = |path: &Option<PathBuf>| path.as_ref().map(|path| path.display().to_string());
     Ok(MorphResult {
-        file: job.out.display().to_string(),
+        file: name(&job.out),
+        gif: name(&job.gif),
         vertices: mesh.positions.len(),
-        appended: glb.vertices - mesh.positions.len(),
+        appended: glb.map_or(0, |glb| glb.vertices - mesh.positions.len()),
         faces: mesh.triangle_count(),
         targets: targets.iter().map(|t| t.name.clone()).collect(),
         texture: texture.map(|t| t.path.display().to_string()),
@@ -102,10 +121,10 @@ fn unique(names: Vec<String>) -> Vec<String> {
 /// Refuses to write over what is read.
 fn spare_input(job: &MorphJob, mesh: &MeshFile, frames: &[Frame]) -> Result<()> {
     let Ok(input) = mesh.path.canonicalize() else { return Ok(()) };
-    let outputs = frames.iter().map(|f| f.path.as_path()).chain([job.out.as_path()]);
+    let outputs = frames.iter().map(|f| f.path.as_path()).chain(job.out.as_deref()).chain(job.gif.as_deref());
     let hit = outputs.into_iter().find(|path| path.canonicalize().is_ok_and(|path| path == input));
     match hit {
-        Some(path) => Err(Error::usage("this output is the source itself").file(path).remedy("choose another --out")),
+        Some(path) => Err(Error::usage("this output is the source itself").file(path).remedy("choose another file")),
         None => Ok(()),
     }
 }

@@ -24,7 +24,7 @@ pub struct Global {
     /// Compute device: auto (a hardware GPU if there is one, otherwise the CPU), cpu, gpu, or part of an adapter's name
     #[arg(long, global = true, default_value = "auto", value_name = "auto|cpu|gpu|NAME")]
     pub device: String,
-    /// Do not write report.html
+    /// Do not write report.html, the page that shows a result
     #[arg(long, global = true)]
     pub no_report: bool,
     /// Threads for the CPU stages; default: one per core
@@ -48,6 +48,9 @@ pub struct Global {
     /// Progress on stderr; auto: bars on a terminal, nothing otherwise
     #[arg(long, global = true, default_value = "auto", value_name = "HOW")]
     pub progress: ProgressChoice,
+    /// The command as it was typed.
+    #[arg(skip)]
+    pub command: String,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -360,10 +363,13 @@ pub struct MorphArgs {
     #[arg(required = true, value_name = "DIR")]
     pub maps: Vec<PathBuf>,
     /// The GLB file; appears complete or not at all
-    #[arg(long, value_name = "FILE.glb")]
-    pub out: PathBuf,
+    #[arg(long, value_name = "FILE.glb", required_unless_present = "gif")]
+    pub out: Option<PathBuf>,
+    /// A moving picture: from the source to each target and back, without end
+    #[arg(long, value_name = "FILE.gif")]
+    pub gif: Option<PathBuf>,
     /// Also write N steps from the source to each target beside FILE, as FILE_000.obj and so on
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..))]
+    #[arg(long, value_name = "N", requires = "out", value_parser = clap::value_parser!(u32).range(2..))]
     pub frames: Option<u32>,
     /// A PNG or JPEG file to embed as colour texture; default: the one that the source's materials name
     #[arg(long, value_name = "IMAGE")]

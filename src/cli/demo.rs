@@ -2,8 +2,8 @@
 
 use super::args::{DemoArgs, Global};
 use super::console::Console;
-use super::map::run_all;
-use super::summary::demo_summary;
+use super::map::{page, run_all};
+use super::summary::{PAGE, demo_summary, invitation};
 use crate::error::{Error, Result};
 use crate::mesh::io::{MeshFile, write_obj};
 use crate::pipeline::{MapJob, MapOptions};
@@ -28,11 +28,13 @@ pub fn run(args: &DemoArgs, global: &Global, console: &Console) -> Result<ExitCo
         jobs.push(write_pair(&dir, &source, &target)?);
         names.push(pair.name.to_owned());
     }
-    let reports = run_all(jobs, &MapOptions::default(), global, console)?;
+    let options = MapOptions { page: page(global), ..MapOptions::default() };
+    let reports = run_all(jobs, &options, global, console)?;
     let finished: Vec<_> = names.into_iter().zip(reports).collect();
     console.result(&finished, || {
         let place = format!("inputs and maps are in {}\n", args.dir.display());
-        demo_summary(&finished, console) + &place
+        let pages: Vec<_> = finished.iter().map(|(name, _)| args.dir.join(name).join("map").join(PAGE)).collect();
+        demo_summary(&finished, console) + &place + &invitation(&pages)
     });
     Ok(ExitCode::SUCCESS)
 }

@@ -2,6 +2,8 @@
 
 use super::args::{DiffuseArgs, FrontChoice, Global};
 use super::console::Console;
+use super::map::page;
+use super::summary::{PAGE, invitation};
 use super::table::table;
 use crate::app::diffusion::job::{DiffuseJob, Onto, RegionSource, TextureJob, run as run_job};
 use crate::app::diffusion::{DiffusionOptions, DiffusionReport};
@@ -34,10 +36,11 @@ pub fn run(args: &DiffuseArgs, global: &Global, console: &Console) -> Result<Exi
         onto,
         texture: args.texture.clone().map(|image| TextureJob { image, size: args.size, padding: args.padding }),
         out: args.out.clone(),
+        command: page(global).map(|page| page.command),
     };
     let report = run_job(&job, &|| compute(global))?;
     report.warnings.iter().for_each(|w| console.warn(w));
-    console.result(&report, || summary(&report, args));
+    console.result(&report, || summary(&report, args) + &invitation(&[args.out.join(PAGE)]));
     Ok(ExitCode::SUCCESS)
 }
 

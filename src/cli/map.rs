@@ -7,7 +7,7 @@ use super::summary::map_summary;
 use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
 use crate::map::report::Report;
-use crate::pipeline::{LayoutMethod, MapJob, MapOptions, Relaxation, run_maps};
+use crate::pipeline::{LayoutMethod, MapJob, MapOptions, PageOptions, Relaxation, run_maps};
 use crate::stage::refine::RefineOptions;
 use crate::stage::write::check_place;
 use std::process::ExitCode;
@@ -55,7 +55,13 @@ pub fn options(flags: &MapFlags, global: &Global) -> Result<MapOptions> {
         image: flags.image,
         layered: flags.layered,
         seed: global.seed,
+        page: page(global),
     })
+}
+
+/// What the page says besides the result; none if it is not wanted.
+pub fn page(global: &Global) -> Option<PageOptions> {
+    (!global.no_report).then(|| PageOptions { command: global.command.clone() })
 }
 
 /// Runs jobs to the end with progress on stderr; one report per job, or the first error. Warnings are printed.

@@ -31,10 +31,11 @@ use std::process::ExitCode;
 /// Runs the program on its arguments, the program's name first; the exit code says how it went.
 pub fn run(arguments: Vec<OsString>) -> ExitCode {
     install_panic_hook();
-    let cli = match Cli::try_parse_from(&arguments) {
+    let mut cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(e) => return refuse_arguments(&e, &arguments),
     };
+    cli.global.command = typed(&arguments);
     let console = Console::new(&cli.global);
     let outcome = catch_unwind(|| dispatch(&cli, &arguments, &console));
     let result = outcome.unwrap_or_else(|payload| Err(Error::bug(message_of(payload.as_ref()))));
@@ -65,6 +66,21 @@ fn dispatch(cli: &Cli, arguments: &[OsString], console: &Console) -> Result<Exit
         Command::Texture(args) => texture::run(args, &cli.global, console),
         Command::Batch(args) => batch::run(args, arguments, &cli.global, console),
     }
+}
+
+/// The arguments as one line for a shell, the program by its name alone.
+fn typed(arguments: &[OsString]) -> String {
+    let quoted = |argument: &OsString| {
+        let text = argument.to_string_lossy();
+        let is_plain = |c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c);
+        if !text.is_empty() && text.chars().all(is_plain) {
+            text.into_owned()
+        } else {
+            format!("'{}'", text.replace('\'', "'\\''"))
+        }
+    };
+    let rest = arguments.iter().skip(1).map(quoted);
+    std::iter::once("homeo".to_owned()).chain(rest).collect::<Vec<_>>().join(" ")
 }
 
 /// Prints help or the version as asked, or what is wrong with the arguments in one line.

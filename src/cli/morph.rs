@@ -4,17 +4,23 @@ use super::args::MorphArgs;
 use super::console::Console;
 use crate::app::morph::{MorphJob, MorphResult, morph};
 use crate::error::{Error, Result};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Runs the command.
 pub fn run(args: &MorphArgs, console: &Console) -> Result<ExitCode> {
-    if !args.out.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb")) {
-        let error = Error::usage("a morph is written as binary glTF").file(&args.out);
+    let ends_in = |path: &Path, wanted: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(wanted));
+    if let Some(out) = args.out.as_deref().filter(|out| !ends_in(out, "glb")) {
+        let error = Error::usage("a morph is written as binary glTF").file(out);
         return Err(error.remedy("name a file that ends in .glb"));
+    }
+    if let Some(gif) = args.gif.as_deref().filter(|gif| !ends_in(gif, "gif")) {
+        return Err(Error::usage("not the name of a GIF file").file(gif).remedy("name a file that ends in .gif"));
     }
     let job = MorphJob {
         folders: args.maps.clone(),
         out: args.out.clone(),
+        gif: args.gif.clone(),
         frames: args.frames.map(|n| n as usize),
         texture: args.texture.clone(),
         source: args.source.clone(),
@@ -32,9 +38,9 @@ fn summary(result: &MorphResult) -> String {
         0 => String::new(),
         n => format!(" and {n} more along seams"),
     };
+    let files = [&result.file, &result.gif].into_iter().flatten().map(String::as_str).collect::<Vec<_>>().join(", ");
     let mut text = format!(
-        "{}: {} vertices{appended}, {} triangles; morph targets: {}; texture: {}\n",
-        result.file,
+        "{files}: {} vertices{appended}, {} triangles; morph targets: {}; texture: {}\n",
         result.vertices,
         result.faces,
         result.targets.join(", "),

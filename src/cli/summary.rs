@@ -4,7 +4,7 @@ use super::console::Console;
 use super::table::table;
 use crate::map::distortion::Measures;
 use crate::map::report::{MeshSummary, Report};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// One finished map.
 pub fn map_summary(report: &Report, dir: &Path, console: &Console) -> String {
@@ -23,7 +23,16 @@ pub fn map_summary(report: &Report, dir: &Path, console: &Console) -> String {
         measures_row("  and back", &report.distortion_target_on_source.backward),
     ]);
     text += &format!("\nwritten to {} after {:.2} s\n", dir.display(), total_seconds(report));
-    text
+    text + &invitation(&[dir.join(PAGE)])
+}
+
+/// The page that shows a result.
+pub const PAGE: &str = "report.html";
+
+/// Which pages to open, those that there are; empty without any.
+pub fn invitation(pages: &[PathBuf]) -> String {
+    let there: Vec<String> = pages.iter().filter(|p| p.is_file()).map(|p| p.display().to_string()).collect();
+    if there.is_empty() { String::new() } else { format!("open in a browser: {}\n", there.join(", ")) }
 }
 
 /// Several finished maps, a row each.

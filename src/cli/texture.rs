@@ -2,6 +2,8 @@
 
 use super::args::{Global, TextureArgs};
 use super::console::Console;
+use super::map::page;
+use super::summary::{PAGE, invitation};
 use crate::app::constrained::job::{TextureJob, TextureReport, texture};
 use crate::error::Result;
 use crate::gpu::{Device, DeviceChoice};
@@ -17,10 +19,11 @@ pub fn run(args: &TextureArgs, global: &Global, console: &Console) -> Result<Exi
         constraints: args.constraints.clone(),
         seam: args.seam.clone(),
         out: args.out.clone(),
+        command: page(global).map(|page| page.command),
     };
     let report = texture(&job, &compute)?;
     report.warnings.iter().for_each(|w| console.warn(w));
-    console.result(&report, || summary(&report, args));
+    console.result(&report, || summary(&report, args) + &invitation(&[args.out.join(PAGE)]));
     Ok(ExitCode::SUCCESS)
 }
 

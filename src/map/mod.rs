@@ -4,6 +4,7 @@ pub mod atlas;
 pub mod certificate;
 pub mod charts;
 pub mod distortion;
+pub mod divided;
 pub mod embedding;
 pub mod file_order;
 pub mod flips;

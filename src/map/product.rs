@@ -3,6 +3,7 @@
 use super::base_complex::BaseComplex;
 use super::certificate::Certificate;
 use super::distortion::{Distortion, distortion};
+use super::divided::Divided;
 use super::flips::flips_on_target;
 use super::refined::RefinedMesh;
 use super::report::{LayoutSummary, MeshSummary, RelaxationSummary};
@@ -10,6 +11,7 @@ use super::tile_table::TileTable;
 use crate::mesh::io::{Landmarks, MeshFile};
 use crate::mesh::{ArcId, FaceId, IdVec, SurfacePoint, TriMesh, VertexId};
 use glam::DVec3;
+use std::path::Path;
 
 /// One mesh of the pair, with where its vertices go.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +56,21 @@ pub struct Product<'a> {
     pub device: &'a str,
     /// What a user should know about this result.
     pub warnings: Vec<String>,
+    /// What is needed to show the map; none if neither preview nor page is wanted.
+    pub shown: Option<Shown<'a>>,
+}
+
+/// What the preview and the page of a map show besides.
+#[derive(Clone, Copy, Debug)]
+pub struct Shown<'a> {
+    /// Both meshes divided along the arcs.
+    pub divided: [&'a Divided; 2],
+    /// Captions and PNG files of geometry images.
+    pub figures: &'a [NamedFile],
+    /// The source's texture as it was asked for; none for that of its materials.
+    pub texture: Option<&'a Path>,
+    /// The command as it was typed, if a page is wanted; empty if it is not known.
+    pub command: Option<&'a str>,
 }
 
 /// Name and content of a file.

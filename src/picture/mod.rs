@@ -1,7 +1,8 @@
-//! Pictures: textures read from and written to image files, and sampled; previews of meshes.
+//! Pictures: textures read from and written to image files, and sampled; previews of meshes; moving pictures.
 
 mod exr_file;
 pub mod file;
+pub mod moving;
 pub mod pyramid;
 pub mod render;
 mod srgb;

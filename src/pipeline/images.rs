@@ -1,12 +1,13 @@
 //! The geometry images of a finished map: joins the atlas, the map and the kernels to the bake stage.
 
+use super::thumbnails::thumbnails;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
 use crate::kernel::{self, Lanes, Lists, vertex_stretch::vertex_stretch};
 use crate::map::atlas::{Atlas, BaseSample};
 use crate::map::embedding::EmbeddedMesh;
 use crate::map::file_order::Onto;
-use crate::map::product::GeometryImages;
+use crate::map::product::{GeometryImages, NamedFile};
 use crate::map::surface_map::{Chart, SurfaceMap};
 use crate::map::tile_table::TileTable;
 use crate::mesh::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId};
@@ -17,7 +18,8 @@ use crate::stage::compose::{Composed, base_in_file_terms};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// The images with `size` samples along a tile's side, each in a file of its own unless `layered`; none if `size` is 0.
+/// The images with `size` samples along a tile's side, each in a file of its own unless `layered`; none if `size` is 0. And
+/// what they look like, with captions.
 ///
 /// The tile table speaks of the landmarks by their numbers in the file, like everything that is written.
 pub fn geometry_images(
@@ -26,9 +28,9 @@ pub fn geometry_images(
     composed: &Composed,
     size: usize,
     layered: bool,
-) -> Result<Option<GeometryImages>> {
+) -> Result<(Option<GeometryImages>, Vec<NamedFile>)> {
     if size == 0 {
-        return Ok(None);
+        return Ok((None, Vec::new()));
     }
     let (meshes, base) = (checked.meshes(), &composed.embedding.base);
     let atlas = Atlas::new(base, size, None)?;
@@ -51,7 +53,7 @@ pub fn geometry_images(
     } else {
         images.iter().map(file).collect::<Result<_>>()?
     };
-    Ok(Some(GeometryImages { table, files }))
+    Ok((Some(GeometryImages { table, files }), thumbnails(&images)))
 }
 
 /// The places of the samples on a mesh.

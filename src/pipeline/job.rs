@@ -102,6 +102,15 @@ pub struct MapOptions {
     pub layered: bool,
     /// Seed of whatever is drawn by chance. Default 0.
     pub seed: u64,
+    /// `report.html` in every output folder. Default: without a command.
+    pub page: Option<PageOptions>,
+}
+
+/// What `report.html` says besides the result.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct PageOptions {
+    /// The command as it was typed; left out if empty.
+    pub command: String,
 }
 
 impl Default for MapOptions {
@@ -114,6 +123,7 @@ impl Default for MapOptions {
             image: 65,
             layered: false,
             seed: 0,
+            page: Some(PageOptions::default()),
         }
     }
 }

@@ -25,9 +25,10 @@ pub mod stages;
 mod steps;
 mod templates;
 mod textures;
+mod thumbnails;
 
 pub use flow::Flow;
-pub use job::{LayoutMethod, MapJob, MapOptions, Relaxation};
+pub use job::{LayoutMethod, MapJob, MapOptions, PageOptions, Relaxation};
 pub use line::{JobId, Line, Outcome, Step};
 pub use observer::{Observer, Silent};
 pub use panics::{install_panic_hook, message_of};

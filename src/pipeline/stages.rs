@@ -45,8 +45,8 @@ pub fn stream_maps(
         let loaded = started.then(Stage::Load, |job, step| steps::load(job, templates, step));
         checked_to_composed(loaded, options, compute, templates)
             .then(Stage::Refine, |pair, step| steps::refine(pair, options.refine.as_ref(), step))
-            .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options.image, options.layered, step))
-            .then(Stage::Write, |pair, step| steps::write(pair, device, step))
+            .then(Stage::Bake, |pair, step| steps::bake(pair, compute, options, step))
+            .then(Stage::Write, |pair, step| steps::write(pair, device, options.page.as_ref(), step))
             .finish(take);
     });
 }

@@ -1,7 +1,7 @@
 //! What each stage does with a job: fetches its input from the pair, calls the stage, says a word about the result.
 
 use super::images::geometry_images;
-use super::job::{LayoutMethod, MapJob, Outputs, Relaxation};
+use super::job::{LayoutMethod, MapJob, MapOptions, Outputs, PageOptions, Relaxation};
 use super::lay_out::lay_out;
 use super::line::Step;
 use super::pair::Pair;
@@ -9,8 +9,9 @@ use super::templates::Templates;
 use super::textures::{check_texture, further_files};
 use crate::error::{Error, Result};
 use crate::gpu::{Compute, Device};
+use crate::map::divided::Divided;
 use crate::map::embedding::Embedding;
-use crate::map::product::{GeometryImages, NamedFile, Product, Side};
+use crate::map::product::{GeometryImages, NamedFile, Product, Shown, Side};
 use crate::map::refined::{RefinedMesh, refined_mesh};
 use crate::map::report::{LayoutSummary, RelaxationSummary, Report};
 use crate::stage;
@@ -51,6 +52,8 @@ pub struct Baked {
     files: Vec<NamedFile>,
     images: Option<GeometryImages>,
     refined: Option<[RefinedMesh; 2]>,
+    divided: [Divided; 2],
+    figures: Vec<NamedFile>,
 }
 
 /// A certified map with what it was made from.
@@ -226,21 +229,29 @@ pub fn mapped(pair: Pair<Finished>) -> Mapped {
 }
 
 /// The last stage in canonical order: afterwards the map speaks of the files' vertices and faces.
-pub fn bake(pair: Pair<Finished>, compute: &Compute, size: usize, layered: bool, step: &Step) -> Result<Pair<Baked>> {
+pub fn bake(pair: Pair<Finished>, compute: &Compute, options: &MapOptions, step: &Step) -> Result<Pair<Baked>> {
     let Outputs { texture, seal, .. } = pair.outputs.clone();
     pair.then(|checked, Finished { summary, relaxation, composed, mut notes, refined }| {
-        let images = geometry_images(compute, checked, &composed, size, layered)?;
+        let (images, figures) = geometry_images(compute, checked, &composed, options.image, options.layered)?;
         step.detail(format!("{} images", images.as_ref().map_or(0, |i| i.files.len())));
         let (mut files, more) = further_files(compute, checked, &composed, images.as_ref(), texture.as_deref())?;
         notes.extend(more);
         files.extend(seal);
+        let meshes = &composed.embedding.meshes;
+        let divided = [(0, &checked.source), (1, &checked.target)].map(|(k, m)| Divided::new(&meshes[k], &m.canonical));
         let map = in_file_terms(checked, composed);
-        Ok(Baked { summary, relaxation, map, notes, files, images, refined })
+        Ok(Baked { summary, relaxation, map, notes, files, images, refined, divided, figures })
     })
 }
 
-pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
+pub fn write(pair: Pair<Baked>, device: &str, page: Option<&PageOptions>, step: &Step) -> Result<Report> {
     let Pair { outputs, checked, made } = &pair;
+    let shown = Shown {
+        divided: [&made.divided[0], &made.divided[1]],
+        figures: &made.figures,
+        texture: outputs.texture.as_deref(),
+        command: page.map(|page| page.command.as_str()),
+    };
     let product = Product {
         source: side(&checked.source, made, 0),
         target: side(&checked.target, made, 1),
@@ -253,6 +264,7 @@ pub fn write(pair: Pair<Baked>, device: &str, step: &Step) -> Result<Report> {
         images: made.images.as_ref(),
         device,
         warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
+        shown: Some(shown),
     };
     stage::write::write(&product, &outputs.dir, || step.seconds())
 }

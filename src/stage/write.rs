@@ -8,13 +8,15 @@ pub use file::{OutputFile, write_file};
 pub use folder::{OutputFolder, check_place};
 
 use crate::error::Result;
+use crate::map::distortion::Distortion;
 use crate::map::file_order::{Onto, number_in_file};
 use crate::map::layout_file::{LandmarkEntry, LayoutFile, Polyline, base_entries, polylines};
-use crate::map::product::{Finest, Product, Side};
+use crate::map::product::{Finest, Product, Shown, Side};
 use crate::map::refined::RefinedMesh;
 use crate::map::report::{Report, peak_bytes};
 use crate::mesh::io::write_obj;
 use crate::mesh::{FaceId, Id};
+use crate::view::MapPictures;
 use folder::REPORT_FILE;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,7 +41,15 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
         folder.write(name, |out| out.write_all(bytes))?;
     }
     folder.write("layout.json", |out| Ok(serde_json::to_writer(out, &layout_file(product))?))?;
-    let report = report(product, seconds);
+    let measured = [product.source.distortion(&product.target), product.target.distortion(&product.source)];
+    let pictures = product.shown.map(|shown| (shown, pictures(product, &shown, &measured)));
+    if let Some((_, pictures)) = &pictures {
+        folder.write("preview.png", |out| out.write_all(&pictures.preview))?;
+    }
+    let report = report(product, measured, seconds);
+    if let Some(page) = pictures.and_then(|(shown, pictures)| pictures.page(product, &shown, &report)) {
+        folder.write("report.html", |out| out.write_all(page.as_bytes()))?;
+    }
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
     folder.commit()?;
     Ok(report)
@@ -77,9 +87,22 @@ fn side_arcs(side: &Side) -> Vec<Polyline> {
     polylines(side.arcs, Onto { mesh: side.mesh, triangles: &side.file.triangles(), omitted: side.omitted })
 }
 
-fn report(product: &Product, seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
-    let (forward, flips) = product.source.distortion(&product.target);
-    let (backward, flips_back) = product.target.distortion(&product.source);
+/// The measures of a compatible mesh, and its turned-over triangles.
+type Measured = (Distortion, Vec<FaceId>);
+
+/// The preview and the scene of the page. Refined meshes are shown as they came, so their turned-over triangles are found anew.
+fn pictures(product: &Product, shown: &Shown, measured: &[Measured; 2]) -> MapPictures {
+    let as_it_came = |side: &Side, other: &Side, found: &[FaceId]| match side.refined {
+        Some(_) => Side { refined: None, ..*side }.distortion(other).1,
+        None => found.to_vec(),
+    };
+    let (source, target) = (&product.source, &product.target);
+    let flips = [as_it_came(source, target, &measured[0].1), as_it_came(target, source, &measured[1].1)];
+    MapPictures::new(product, shown, [&flips[0], &flips[1]])
+}
+
+fn report(product: &Product, measured: [Measured; 2], seconds: impl FnOnce() -> BTreeMap<&'static str, f64>) -> Report {
+    let [(forward, flips), (backward, flips_back)] = measured;
     let mut warnings = product.warnings.clone();
     warnings.extend(flip_warning("source_on_target.obj", &product.source, &flips));
     warnings.extend(flip_warning("target_on_source.obj", &product.target, &flips_back));

@@ -91,7 +91,16 @@ fn summary(rows: &[BatchRow]) -> String {
         card(skipped.to_string(), "unchanged"),
         card(failed.to_string(), "failed"),
         card(turned.to_string(), "with turned triangles"),
-        card(format!("{seconds:.0} s"), "in all jobs"),
+        card(duration(seconds), "in all jobs"),
     ]
     .concat()
+}
+
+/// A time in the unit that suits it.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }

@@ -2,6 +2,7 @@
 
 use super::disc::{Disc, disc_of};
 use super::files::{LIBRARY, Textured, textured, write_added, write_material};
+use super::page::{page, scene};
 use super::preview::preview;
 use super::sheet::{Feature, Sheet};
 use super::{ConstrainReport, constrain};
@@ -30,6 +31,8 @@ pub struct TextureJob {
     pub seam: Option<Vec<VertexId>>,
     /// The folder of the results.
     pub out: PathBuf,
+    /// The command as it was typed, for `report.html`; none if no page is wanted.
+    pub command: Option<String>,
 }
 
 /// `report.json` of a textured mesh.
@@ -101,6 +104,7 @@ pub fn texture(job: &TextureJob, compute: &Compute) -> Result<TextureReport> {
     preview(&refined.sheet, &image)
         .write(format_for("preview.png".as_ref(), crate::picture::Depth::Byte)?, &mut png)?;
     folder.write("preview.png", |out| out.write_all(png.get_ref()))?;
+    let shown = job.command.as_ref().map(|command| (scene(&refined, &loaded.file, &constraints, &job.image), command));
     let sheet = &refined.sheet;
     let error = sheet.features.iter().map(|f| sheet.uv[f.vertex as usize].distance(f.place)).fold(0.0, f64::max);
     let total = start.elapsed().as_secs_f64();
@@ -120,6 +124,9 @@ pub fn texture(job: &TextureJob, compute: &Compute) -> Result<TextureReport> {
         seconds: Seconds { load: read, solve: solved - read, write: total - solved, total },
         warnings: notes.collect(),
     };
+    if let Some((scene, command)) = &shown {
+        folder.write("report.html", |out| out.write_all(page(scene, &report, command).as_bytes()))?;
+    }
     folder.write("report.json", |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
     folder.commit()?;
     Ok(report)

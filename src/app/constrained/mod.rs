@@ -8,7 +8,7 @@
 //! base.rs      otherwise a base mesh is warped some of the way in their stead, and the walk goes on
 //!              network.rs, ruler.rs, route.rs: its edges as paths; refined.rs, subdivided.rs: the vertices they add
 //! relax.rs     triangles take the shapes they have in space, most of all near features (weight.rs)
-//! job.rs       from files to a folder: disc.rs, seam.rs before, files.rs, preview.rs after
+//! job.rs       from files to a folder: disc.rs, seam.rs before, files.rs, preview.rs, page.rs after
 //! ```
 //!
 //! Input: a disc with features. Output: a place in the plane for every vertex. Invariant, checked exactly at every step: no
@@ -20,6 +20,7 @@ pub mod disc;
 mod files;
 pub mod job;
 mod network;
+mod page;
 mod preview;
 pub mod refined;
 mod relax;

@@ -57,6 +57,12 @@ fn layout(sheet: &Sheet, pyramid: &Pyramid) -> Picture {
 
 /// Looks against the mean normal around the features, or of all, with increasing v upwards.
 fn camera(sheet: &Sheet) -> Camera {
+    let [normal, up] = outlook(sheet);
+    Camera::looking(normal, up, Lens::Orthographic, &sheet.points)
+}
+
+/// Where the sheet looks around its features, or all of it, and the direction of increasing v there.
+pub fn outlook(sheet: &Sheet) -> [DVec3; 2] {
     let near: Vec<usize> = (0..sheet.real)
         .filter(|&t| sheet.features.is_empty() || sheet.triangles[t].iter().any(|&v| is_feature(sheet, v)))
         .collect();
@@ -68,7 +74,7 @@ fn camera(sheet: &Sheet) -> Camera {
         let along = (a * (r.x - q.x) + b * (p.x - r.x) + c * (q.x - p.x)) / area;
         up += along.normalize_or_zero();
     }
-    Camera::looking(normal, up, Lens::Orthographic, &sheet.points)
+    [normal, up]
 }
 
 fn is_feature(sheet: &Sheet, v: u32) -> bool {

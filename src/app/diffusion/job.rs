@@ -76,6 +76,8 @@ pub struct DiffuseJob {
     pub texture: Option<TextureJob>,
     /// The folder for the results.
     pub out: PathBuf,
+    /// The command as it was typed, for `report.html`; none if no page is wanted.
+    pub command: Option<String>,
 }
 
 /// Runs the job; `compute` opens the device, if an image is carried.
@@ -105,7 +107,7 @@ pub fn run(job: &DiffuseJob, compute: &dyn Fn() -> Result<Compute>) -> Result<Di
     let mesh = (&loaded.file, &first);
     let onto = pair.map(|(onto, file)| (file, onto));
     let output = Output { mesh, onto, maps: maps.as_ref(), images: &images, in_atlas };
-    write(&output, &job.out, || {
+    write(&output, &job.out, job.command.as_deref(), || {
         clock.lap("draw");
         report(job, &output, texture, clock.finish())
     })

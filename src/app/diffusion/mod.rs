@@ -14,7 +14,7 @@
 //! Diffusion --- measured                                  quality
 //!    | vertex -> (region, u, v) -> surface                lookup
 //!    v
-//! correspondence, carried images, pictures, a folder      correspond, carry, picture, write
+//! correspondence, carried images, pictures, a folder      correspond, carry, picture, page, write
 //! ```
 //!
 //! Invariants: u and v lie in [0, 1]; a side's vertices lie exactly on their side of the square; along a border both
@@ -32,6 +32,7 @@ pub mod job;
 mod lookup;
 mod matching;
 mod outline;
+mod page;
 mod picture;
 mod piece;
 mod quality;

@@ -27,7 +27,12 @@ const LINE: u32 = 0x20242c;
 
 /// The colour of a region.
 pub fn tint(region: usize) -> Color {
-    color(TINTS[region % TINTS.len()])
+    color(tint_code(region))
+}
+
+/// The same as an sRGB code.
+pub fn tint_code(region: usize) -> u32 {
+    TINTS[region % TINTS.len()]
 }
 
 /// The grid as an image: dark lines on white, thicker ones at the border, u = 0 at the left, v = 0 at the bottom.

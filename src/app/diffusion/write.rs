@@ -1,6 +1,7 @@
 //! The folder of a parametrization: meshes with (u, v) and a grid, tables, regions, pictures, the report.
 
 use super::carry::by_triangle;
+use super::page::{page, scene};
 use super::picture::{Cells, grid, preview, tint};
 use super::report::DiffusionReport;
 use super::{Correspondence, Diffusion};
@@ -34,11 +35,17 @@ pub struct Output<'a> {
     pub in_atlas: bool,
 }
 
-/// Writes the folder, which appears complete or not at all; `report` is asked for last.
+/// Writes the folder, which appears complete or not at all; `report` is asked for last. With a command, or an empty text in its
+/// place, `report.html` is written as well.
 ///
 /// # Errors
 /// Usage, if something else is at the place; input, if it cannot be written.
-pub fn write(output: &Output, dir: &Path, report: impl FnOnce() -> DiffusionReport) -> Result<DiffusionReport> {
+pub fn write(
+    output: &Output,
+    dir: &Path,
+    command: Option<&str>,
+    report: impl FnOnce() -> DiffusionReport,
+) -> Result<DiffusionReport> {
     let folder = OutputFolder::create(dir)?;
     let (file, diffusion) = output.mesh;
     write_mesh(&folder, ["mesh.obj", "uv.csv", "regions.json"], file, diffusion)?;
@@ -53,7 +60,11 @@ pub fn write(output: &Output, dir: &Path, report: impl FnOnce() -> DiffusionRepo
     for (name, picture) in output.images {
         write_picture(&folder, name, picture)?;
     }
+    let shown = command.map(|command| (scene(output), command));
     let report = report();
+    if let Some((scene, command)) = &shown {
+        folder.write("report.html", |out| out.write_all(page(scene, &report, command).as_bytes()))?;
+    }
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;
     folder.commit()?;
     Ok(report)

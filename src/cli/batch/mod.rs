@@ -15,6 +15,7 @@ use crate::pipeline::batch::page::write_page;
 use crate::pipeline::batch::plan::{Engine, write_plan};
 use crate::pipeline::batch::shelf::Shelf;
 use crate::pipeline::batch::{BatchOptions, BatchResult, run_batch};
+use crate::pipeline::{MapOptions, PageOptions};
 use args::{BatchArgs, EngineChoice};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -52,7 +53,11 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
     let Ok(choice) = global.device.parse::<DeviceChoice>();
     let device = Device::open(&choice)?;
     let options = BatchOptions {
-        map: options(&args.options, global)?,
+        map: MapOptions {
+            // A job's page does not say how the batch was cut up.
+            page: (!global.no_report).then(PageOptions::default),
+            ..options(&args.options, global)?
+        },
         shard: args.shard,
         timeout: args.timeout,
         memory: args.memory.unwrap_or_else(default_memory),
