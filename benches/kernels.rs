@@ -95,6 +95,30 @@ fn relaxation<'d>(compute: &'d Compute, grid: &Grid) -> RelaxSession<'d> {
     RelaxSession::new(compute, &input).expect("the device works")
 }
 
+/// Jobs in flight at once.
+const JOBS: usize = 8;
+
+/// Sweeps of several jobs: one after the other, and from as many threads, when those that wait go together.
+fn jobs(c: &mut Criterion) {
+    for n in [8, 16, 64] {
+        let grid = grid(n);
+        for (name, compute) in &devices() {
+            let mut pieces = vec![moving(&grid); JOBS];
+            let sweep = |piece: &mut Piece| {
+                kernel::sweep_all(compute, std::slice::from_mut(piece), 2).expect("the device works");
+            };
+            let mut group = c.benchmark_group(format!("{JOBS} jobs of {} triangles", grid.triangles.len()));
+            group.bench_function(BenchmarkId::new(*name, "in turn"), |b| b.iter(|| pieces.iter_mut().for_each(sweep)));
+            let together = |pieces: &mut [Piece]| {
+                std::thread::scope(|scope| {
+                    pieces.iter_mut().for_each(|piece| drop(scope.spawn(|| sweep(piece))));
+                });
+            };
+            group.bench_function(BenchmarkId::new(*name, "at once"), |b| b.iter(|| together(&mut pieces)));
+        }
+    }
+}
+
 /// The hill as a mesh that moves over the plane.
 fn moving(grid: &Grid) -> Piece {
     let sight = |t: &[u32; 3]| {
@@ -112,6 +136,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(Duration::from_millis(200))
         .measurement_time(Duration::from_secs(1));
-    targets = kernels
+    targets = kernels, jobs
 }
 criterion_main!(benches);

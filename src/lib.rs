@@ -36,6 +36,9 @@
 //!   compatible meshes, CSV, layout.json, geometry/*.exr, report.json; report.html and preview.png to look at
 //! ```
 //!
+//! [`pipeline`] runs the stages, each on threads of its own, with many pairs in flight; [`pipeline::batch`] does so for a
+//! night's worth of them, and remembers what is done. Long loops ask [`deadline`] whether there is time left.
+//!
 //! # Other jobs
 //!
 //! They stand in [`app`]. [`app::rebuild`] reads a geometry image back as a mesh: pixels that sample one point become one
@@ -50,7 +53,7 @@
 //! # Who may import whom
 //!
 //! ```text
-//! cli -> pipeline -> app, stage, shape -> view -> map, kernel -> path, plane, solve, picture, gpu -> mesh -> error
+//! cli -> pipeline -> app, stage, shape -> view -> map, kernel -> path, plane, solve, picture, gpu -> mesh -> deadline -> error
 //! ```
 //!
 //! Nothing imports upwards, and every outside crate has one door; a test reads the `use` lines. The device proposes in

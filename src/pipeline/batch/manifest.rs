@@ -50,7 +50,10 @@ const OWN_FILES: [&str; 4] = ["results.jsonl", "failed.jsonl", "batch.json", "ba
 /// Input, naming the line or the job: what cannot be read, an unknown key, a path that is missing, an id that is given
 /// twice or cannot be a folder's name. Whether the files are there shows when a job is begun.
 pub fn read_manifest(path: &Path) -> Result<Vec<BatchJob>> {
-    let text = std::fs::read_to_string(path).map_err(|e| Error::io(path, &e))?;
+    let bytes = std::fs::read(path).map_err(|e| Error::io(path, &e))?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        Error::input("not a text file in UTF-8").file(path).remedy("give a manifest: CSV, JSON lines or TOML")
+    })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     parse_manifest(&text, &extension(path), folder).map_err(|e| e.file(path))
 }
