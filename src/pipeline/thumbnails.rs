@@ -6,8 +6,8 @@ use crate::stage::bake::BakedImage;
 use crate::view::image::{png, smaller};
 use glam::Vec3;
 
-/// Pixels along a thumbnail's longer side, at most.
-const SIDE: usize = 512;
+/// Pixels along a thumbnail's longer side, at most: about as wide as the page shows it, and four of them are as large as a mesh.
+const SIDE: usize = 320;
 
 /// The images that show something, each with a caption and as a PNG file's bytes.
 pub fn thumbnails(images: &[BakedImage]) -> Vec<NamedFile> {

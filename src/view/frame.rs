@@ -10,7 +10,7 @@ const FOOT: f64 = 0.05;
 /// along y; less lets animals whose length is along z stand on their tails.
 const STABLE: f64 = 0.25;
 const CLEARLY: f64 = 2.0;
-/// Or if the mesh reaches so many times as far along z.
+/// Or if the mesh reaches so many times as far along z, and would not stand along y.
 const TALL: f64 = 2.5;
 /// Below this angle, in radians, meshes stand alike as they are; above it the second one is turned to face like the first.
 const ALIKE: f64 = 0.45;
@@ -87,7 +87,8 @@ fn up_of(points: &[DVec3]) -> Up {
     };
     let (on_y, on_z) = (footprint(1), footprint(2));
     let stands_on_z = on_z > STABLE && on_z > CLEARLY * on_y;
-    if stands_on_z || extent.z > TALL * extent.y { Up::Z } else { Up::Y }
+    let is_pole = extent.z > TALL * extent.y && on_y < STABLE;
+    if stands_on_z || is_pole { Up::Z } else { Up::Y }
 }
 
 /// The rotation that takes the first points of the pairs nearest to the second ones, in the sense of least squares.

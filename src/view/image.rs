@@ -9,9 +9,9 @@ use std::io::Cursor;
 use std::path::Path;
 
 /// Bytes of an image file that is embedded as it is; larger ones are made smaller.
-const SMALL: u64 = 400_000;
+const SMALL: u64 = 300_000;
 /// Pixels along the longer side of an image that was made smaller: more than a panel shows at once would be wasted.
-const SIDE: usize = 1024;
+const SIDE: usize = 768;
 
 /// The image that a mesh shows: the one asked for, or the first of its materials' that is there; none for meshes without
 /// texture coordinates, for several tiles, and for images that cannot be read.

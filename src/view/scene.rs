@@ -45,8 +45,6 @@ pub struct Mark {
     pub name: String,
     /// Its places in the spaces of the first surface.
     pub places: Vec<[f64; 3]>,
-    /// The surface that it lies on, if not on all that share the first one's spaces.
-    pub surface: Option<usize>,
 }
 
 /// How surfaces are coloured.
@@ -140,6 +138,6 @@ impl Mark {
     /// A mark on all surfaces that share the first one's spaces.
     pub fn new(name: &str, places: impl IntoIterator<Item = DVec3>) -> Self {
         let places = places.into_iter().map(|p| p.to_array().map(|x| (x * 1e5).round() / 1e5));
-        Mark { name: name.to_owned(), places: places.collect(), surface: None }
+        Mark { name: name.to_owned(), places: places.collect() }
     }
 }

@@ -30,10 +30,9 @@ function newPainter(gl, scene) {
   return painter;
 }
 
-/** The marks that are shown on a surface. */
+/** The marks that are shown on a surface: all, if it has the spaces that they have places in. */
 function marksOn(scene, k) {
-  const shares = scene.surfaces[k].spaces.join() === scene.surfaces[0].spaces.join();
-  return scene.marks.filter((mark) => (mark.surface === null ? shares : mark.surface === k));
+  return scene.surfaces[k].spaces.join() === scene.surfaces[0].spaces.join() ? scene.marks : [];
 }
 
 function useShader(painter, name, frame, slide) {
