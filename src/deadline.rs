@@ -19,9 +19,11 @@ pub struct Deadline {
 }
 
 impl Deadline {
-    /// So long after `start`; never, if that is beyond what the clock can tell.
-    pub fn after(start: Instant, limit: Duration) -> Self {
-        Deadline { at: start.checked_add(limit), limit }
+    /// For work that goes on at `start` after `spent` seconds, and may take `limit` in all; never, if that is beyond what
+    /// the clock can tell.
+    pub fn new(start: Instant, spent: f64, limit: Duration) -> Self {
+        let spent = Duration::try_from_secs_f64(spent).unwrap_or_default();
+        Deadline { at: start.checked_add(limit.saturating_sub(spent)), limit }
     }
 }
 
@@ -51,11 +53,12 @@ mod tests {
 
     #[test]
     fn only_work_within_a_deadline_can_be_late() {
-        let past = Deadline::after(Instant::now(), Duration::ZERO);
+        let second = Duration::from_secs(1);
+        let past = Deadline::new(Instant::now(), 1.5, second);
         assert_eq!(check(), Ok(()));
         within(Some(past), || {
             assert_eq!(check().map_err(|e| e.kind), Err(ErrorKind::Late));
-            within(Some(Deadline::after(Instant::now(), Duration::MAX)), || assert_eq!(check(), Ok(())));
+            within(Some(Deadline::new(Instant::now(), 0.0, Duration::MAX)), || assert_eq!(check(), Ok(())));
             assert!(check().is_err(), "the outer deadline holds again");
         });
         assert_eq!(check(), Ok(()));

@@ -28,7 +28,7 @@ pub struct Report {
     pub distortion: Distortion,
     /// `target_on_source.obj` against the target, both ways.
     pub distortion_target_on_source: Distortion,
-    /// Wall-clock seconds per stage, and `total` from the start of the job.
+    /// Wall-clock seconds per stage, and `total`, their sum.
     pub seconds: BTreeMap<&'static str, f64>,
     /// Largest resident memory of the process so far, bytes; 0 where the system does not say.
     pub peak_bytes: u64,

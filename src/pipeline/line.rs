@@ -23,7 +23,6 @@ const WAITING: usize = 1;
 /// A job on its way.
 struct Job<'env, T> {
     id: JobId,
-    started: Instant,
     seconds: BTreeMap<&'static str, f64>,
     held: Reservation<'env>,
     failed_in: Option<Stage>,
@@ -39,7 +38,7 @@ pub struct Outcome<T> {
     pub value: Result<T>,
     /// The stage it failed in, if it did.
     pub failed_in: Option<Stage>,
-    /// Wall-clock seconds per stage passed, and `total`.
+    /// Wall-clock seconds per stage passed, and `total`, their sum: without the time that the job waited for others.
     pub seconds: BTreeMap<&'static str, f64>,
 }
 
@@ -47,7 +46,6 @@ pub struct Outcome<T> {
 pub struct Step<'a> {
     job: JobId,
     stage: Stage,
-    job_started: Instant,
     started: Instant,
     earlier: &'a BTreeMap<&'static str, f64>,
     flow: &'a Flow<'a>,
@@ -64,13 +62,18 @@ impl Step<'_> {
         self.job
     }
 
-    /// Wall-clock seconds of the stages so far, this one up to now, and `total` since the job started.
+    /// Wall-clock seconds of the stages so far, this one up to now, and `total`, their sum.
     pub fn seconds(&self) -> BTreeMap<&'static str, f64> {
         let mut seconds = self.earlier.clone();
         seconds.insert(self.stage.name(), self.started.elapsed().as_secs_f64());
-        seconds.insert("total", self.job_started.elapsed().as_secs_f64());
-        seconds
+        with_total(seconds)
     }
+}
+
+fn with_total(mut seconds: BTreeMap<&'static str, f64>) -> BTreeMap<&'static str, f64> {
+    let total = seconds.values().sum();
+    seconds.insert("total", total);
+    seconds
 }
 
 /// The open end of a line of stages: jobs with values of type `T` come out of it.
@@ -128,9 +131,8 @@ impl<'scope, 'env, T: Send + 'scope> Line<'scope, 'env, T> {
 
     /// Hands every outcome to `take` as soon as there is one, and returns when all jobs are done.
     pub fn finish(self, mut take: impl FnMut(Outcome<T>)) {
-        for Job { id, started, mut seconds, held, failed_in, value } in self.jobs {
-            seconds.insert("total", started.elapsed().as_secs_f64());
-            take(Outcome { id, value, failed_in, seconds });
+        for Job { id, seconds, held, failed_in, value } in self.jobs {
+            take(Outcome { id, value, failed_in, seconds: with_total(seconds) });
             drop(held);
         }
     }
@@ -138,17 +140,18 @@ impl<'scope, 'env, T: Send + 'scope> Line<'scope, 'env, T> {
 
 impl<'env, T> Job<'env, T> {
     fn new(id: JobId, held: Reservation<'env>, value: T) -> Self {
-        Job { id, started: Instant::now(), seconds: BTreeMap::new(), held, failed_in: None, value: Ok(value) }
+        Job { id, seconds: BTreeMap::new(), held, failed_in: None, value: Ok(value) }
     }
 
     fn pass<U>(self, stage: Stage, flow: &Flow, work: &impl Fn(T, &Step) -> Result<U>) -> Job<'env, U> {
-        let Job { id, started: job_started, mut seconds, held, mut failed_in, value } = self;
+        let Job { id, mut seconds, held, mut failed_in, value } = self;
         let value = value.and_then(|value| {
             let _core = flow.cores.take(stage);
             flow.observer.stage_started(id, stage);
             let started = Instant::now();
-            let step = Step { job: id, stage, job_started, started, earlier: &seconds, flow };
-            let deadline = flow.timeout.map(|limit| Deadline::after(job_started, limit));
+            let step = Step { job: id, stage, started, earlier: &seconds, flow };
+            let spent: f64 = seconds.values().sum();
+            let deadline = flow.timeout.map(|limit| Deadline::new(started, spent, limit));
             let result = catch(|| within(deadline, || check().and_then(|()| work(value, &step))))
                 .unwrap_or_else(|message| Err(Error::bug(format!("stage {} panicked: {message}", stage.name()))));
             let taken = started.elapsed().as_secs_f64();
@@ -157,7 +160,7 @@ impl<'env, T> Job<'env, T> {
             failed_in = result.is_err().then_some(stage);
             result
         });
-        Job { id, started: job_started, seconds, held, failed_in, value }
+        Job { id, seconds, held, failed_in, value }
     }
 }
 

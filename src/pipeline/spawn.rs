@@ -20,7 +20,7 @@ const WAITING: usize = 4;
 /// Bounds on the jobs in flight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
-    /// Time for each job; none: any.
+    /// Time for each job, in which it is worked on; none: any.
     pub timeout: Option<Duration>,
     /// Bytes of memory for all of them together, by estimate. Default: any.
     pub memory: u64,

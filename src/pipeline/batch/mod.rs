@@ -53,7 +53,7 @@ pub struct BatchOptions {
     pub map: MapOptions,
     /// The part of the jobs to do; none: all.
     pub shard: Option<Shard>,
-    /// Time for each job, from when it is read; none: any.
+    /// Time for each job, in which it is worked on; none: any.
     pub timeout: Option<Duration>,
     /// Bytes of memory for the jobs in flight together, by estimate; a job that needs more runs alone.
     pub memory: u64,

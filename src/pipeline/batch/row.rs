@@ -29,7 +29,7 @@ pub struct Row {
     /// Why it failed, in one line.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
-    /// Wall-clock seconds from when it was read to its end; of a skipped job those it once took.
+    /// Wall-clock seconds in which it was worked on; of a skipped job those it once took.
     pub seconds: f64,
     /// Of the map from source to target, as in the job's report; null for one that failed.
     pub distortion: Option<Distortion>,
