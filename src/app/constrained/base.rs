@@ -14,7 +14,7 @@
 
 use super::network::{Network, lifted, too_fine};
 use super::refined::Refined;
-use super::sheet::{Framed, SIDE};
+use super::sheet::{Framed, SIDE, Sheet};
 use crate::error::{Error, Result};
 use crate::mesh::{FaceId, Id, TriMesh, VertexId};
 use crate::path::cut_mesh::CutMesh;
@@ -33,6 +33,34 @@ const ROOM: f64 = 2e-3;
 /// Times that all paths are laid anew at most.
 const RELAYS: usize = 4;
 
+/// The disc and its scaffold, in which paths are laid.
+struct Ground {
+    mesh: TriMesh,
+    /// The vertices that are the base mesh's points: the features, then some of the border.
+    points: Vec<VertexId>,
+    /// The border, from the first of those on.
+    rim: Vec<VertexId>,
+}
+
+impl Ground {
+    fn of(sheet: &Sheet) -> Result<Self> {
+        let even = vec![1.0; sheet.triangles.len()];
+        let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
+        let Framed { domain, .. } = framed;
+        let mesh = lifted(&domain.positions, &domain.triangles)?;
+        let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
+        // Half of the border's points are enough for its hull, and fewer points make fewer paths.
+        let corners = rim.iter().copied().step_by(SIDE / 2);
+        let points = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
+        Ok(Ground { mesh, points, rim })
+    }
+
+    /// Where the base mesh's points are.
+    fn places(&self) -> Vec<DVec2> {
+        self.points.iter().map(|&v| self.mesh.positions[v].truncate()).collect()
+    }
+}
+
 /// Brings all features to their places, or so far that `most` edges of the base mesh are swapped; the disc gets the
 /// vertices that paths need. Returns the number of swaps as well.
 ///
@@ -40,16 +68,9 @@ const RELAYS: usize = 4;
 /// Unsolvable if double precision cannot hold the patches.
 pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
     let sheet = &refined.sheet;
-    let even = vec![1.0; sheet.triangles.len()];
-    let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
-    let Framed { domain, .. } = framed;
-    let mesh = lifted(&domain.positions, &domain.triangles)?;
-    let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
-    // Half of the border's points are enough for its hull, and fewer points make fewer paths.
-    let corners = rim.iter().copied().step_by(SIDE / 2);
-    let points: Vec<VertexId> = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
-    let mut base = guiding(&points.iter().map(|v| domain.positions[v.index()]).collect::<Vec<_>>())?;
-    let mut network = Network::lay(&mesh, &base, &points, &rim)?;
+    let ground = Ground::of(sheet)?;
+    let mut base = guiding(&ground.places())?;
+    let mut network = Network::lay(&ground.mesh, &base, &ground.points, &ground.rim)?;
     let mut warped = base.clone();
     relay(&mut network, &base)?;
     let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
@@ -60,15 +81,35 @@ pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
         network.swap(&base, swap)?;
     }
     relay(&mut network, &base)?;
-    let (cut, uv) = straightened(network, &mesh, &warped)?;
-    let mut refined = refined.divided(&cut, &mesh, &uv);
-    for (i, f) in (0u32..).zip(&sheet.features) {
-        refined.sheet.uv[f.vertex as usize] = warped.point(i);
-    }
+    Ok((placed(refined, network, &ground.mesh, &warped)?, swaps.len()))
+}
+
+/// Brings all features to their places by a base mesh over these, whose paths lie on the disc as they can.
+///
+/// # Errors
+/// Unsolvable if double precision cannot hold the patches.
+pub fn grow_sheet(refined: &Refined) -> Result<Refined> {
+    let ground = Ground::of(&refined.sheet)?;
+    let mut places = ground.places();
+    places.iter_mut().zip(&refined.sheet.features).for_each(|(p, f)| *p = f.place);
+    let base = guiding(&places)?;
+    let mut network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim)?;
+    eprintln!("grown: added {}", network.added());
+    relay(&mut network, &base)?;
+    eprintln!("relaid: added {}", network.added());
+    placed(refined, network, &ground.mesh, &base)
+}
+
+/// The disc with the vertices that paths need, these straight between the base mesh's points.
+fn placed(refined: &Refined, network: Network, mesh: &TriMesh, base: &Triangulation) -> Result<Refined> {
+    let (cut, uv) = straightened(network, mesh, base)?;
+    let mut refined = refined.divided(&cut, mesh, &uv);
+    let Sheet { features, uv, .. } = &mut refined.sheet;
+    (0u32..).zip(features).for_each(|(i, f)| uv[f.vertex as usize] = base.point(i));
     if refined.sheet.folded() > 0 {
         return Err(too_fine());
     }
-    Ok((refined, swaps.len()))
+    Ok(refined)
 }
 
 /// The cut mesh and a place for every vertex: paths straight between the base mesh's points, the faces between them

@@ -36,7 +36,7 @@ use crate::error::Result;
 use crate::gpu::Compute;
 use crate::mesh::metric;
 use crate::plane::stretch::{e_l2, l2_sq};
-use base::warp_sheet;
+use base::{grow_sheet, warp_sheet};
 use network::too_fine;
 use refined::Refined;
 use relax::{Relaxation, relax};
@@ -77,6 +77,31 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
     start::start(&mut sheet, compute)?;
     let mut report = ConstrainReport::default();
     let mut refined = Refined::unrefined(sheet);
+    if let Ok(mode) = std::env::var("HOMEO_MODE") {
+        let t = std::time::Instant::now();
+        let flat = refined.clone();
+        if mode == "g" || !walk::walk(&mut refined.sheet, compute)? {
+            eprintln!("walk {:?}", t.elapsed());
+            let t = std::time::Instant::now();
+            refined = if mode == "w" { refined } else { flat };
+            refined = grow_sheet(&refined)?;
+            eprintln!("grow {:?}: {} steiner, e {}", t.elapsed(), refined.steiner.len(), stretch_of(&refined.sheet));
+            let t = std::time::Instant::now();
+            report.steiner[0] += refined.steiner.len();
+            for _ in 0..12 {
+                let weight = vec![1.0; refined.sheet.triangles.len()];
+                relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: ROUNDS })?;
+                eprint!("e {} ", stretch_of(&refined.sheet));
+                refined.take_out();
+                eprintln!("{:?}: {} steiner, e {}", t.elapsed(), refined.steiner.len(), stretch_of(&refined.sheet));
+            }
+        }
+        report.steiner[1] = refined.steiner.len();
+        report.e_l2[0] = stretch_of(&refined.sheet);
+        smooth(&mut refined.sheet, compute)?;
+        report.e_l2[1] = stretch_of(&refined.sheet);
+        return Ok((refined, report));
+    }
     for k in 0.. {
         let before = refined.clone();
         if walk::walk(&mut refined.sheet, compute)? || k > WARPS {

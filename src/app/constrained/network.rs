@@ -5,7 +5,9 @@
 //! cross, but leaves no doubt on which side of what they pass. From then on a path is the cheapest one between the right
 //! sectors of its ends in the two discs beside it (WARP 4.2), for which hardly any edge need be split.
 
-use super::route::{Route, Stop, route};
+mod grow;
+
+use super::route::{Found, Route, Stop, route};
 use super::ruler::{Ahead, straight_on};
 use super::subdivided::{Steiner, Subdivided};
 use crate::error::{Error, Result};
@@ -49,11 +51,26 @@ fn key(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
+fn edges_of(base: &Triangulation) -> BTreeSet<[u32; 2]> {
+    base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect()
+}
+
 impl<'a> Network<'a> {
     /// Lays a path along every edge of the base mesh, whose point `i` is vertex `points[i]` of `mesh`.
     ///
     /// `rim` is the mesh's boundary in order, from the first of those points on that lie on it; they come last.
     pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
+        let mut network = Self::framed(mesh, points, rim)?;
+        for [a, b] in edges_of(base) {
+            if !network.arcs.contains_key(&[a, b]) {
+                network.rule(a, b)?;
+            }
+        }
+        Ok(network)
+    }
+
+    /// A network of the rim alone.
+    fn framed(mesh: &'a TriMesh, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
         let cut = CutMesh::new(mesh, points, 0);
         let faces = mesh.faces().iter().map(|t| t.map(|v| v.0)).collect();
         let hop = HOP * (mesh.area() / mesh.positions.len() as f64).sqrt();
@@ -65,13 +82,6 @@ impl<'a> Network<'a> {
             let end = corners.get(k + 1).copied().unwrap_or(rim.len());
             let along: Vec<VertexId> = (i..=end).map(|j| rim[j % rim.len()]).collect();
             network.mark([first + k, first + (k + 1) % corners.len()].map(|p| p as u32), &along)?;
-        }
-        let edges: BTreeSet<[u32; 2]> =
-            base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect();
-        for [a, b] in edges {
-            if !network.arcs.contains_key(&[a, b]) {
-                network.rule(a, b)?;
-            }
         }
         Ok(network)
     }
@@ -187,13 +197,22 @@ impl<'a> Network<'a> {
 
     /// Lays the path from `a` to `b` into the sectors in which the base mesh has the edge.
     fn connect(&mut self, base: &Triangulation, a: u32, b: u32) -> Result<()> {
+        let found = self.find(base, [a, b])?;
+        self.follow([a, b], &found)
+    }
+
+    /// Finds the cheapest path between two points that leaves and arrives in the sectors in which the base mesh has it.
+    fn find(&self, base: &Triangulation, [a, b]: [u32; 2]) -> Result<Found> {
         let sectors = [self.sector(base, a, b), self.sector(base, b, a)];
-        let vertex = |i: u32| self.cut.landmarks[LandmarkId(i)];
-        let ends = [vertex(a), vertex(b)];
-        let found = route(&self.cut, &Route { ends, sectors, hop: self.hop });
-        let stops = found.ok_or_else(too_fine)?;
+        let ends = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
+        route(&self.cut, &Route { ends, sectors, hop: self.hop }).ok_or_else(too_fine)
+    }
+
+    /// Lays a path where it was found.
+    fn follow(&mut self, [a, b]: [u32; 2], found: &Found) -> Result<()> {
+        let ends = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
         let mut vertices = vec![ends[0]];
-        for stop in stops {
+        for &stop in &found.stops {
             vertices.push(match stop {
                 Stop::Vertex(v) => v,
                 Stop::Middle([p, q]) => {

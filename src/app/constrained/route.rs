@@ -34,24 +34,34 @@ pub enum Stop {
     Middle([VertexId; 2]),
 }
 
+/// A way that was found.
+pub struct Found {
+    /// The places between the ends, in order.
+    pub stops: Vec<Stop>,
+    /// What it costs, in units of length: no less than the distance of the ends.
+    pub cost: f64,
+}
+
 struct Search<'a> {
     cut: &'a CutMesh,
     route: &'a Route,
+    /// Places by what the way over them costs at least.
     queue: BinaryHeap<Nearest<Stop>>,
     /// The cost of every place reached, and from where; none from the start.
     reached: BTreeMap<Stop, (f64, Option<Stop>)>,
 }
 
-/// Finds the places between the ends, in order; none if there is no way.
-pub fn route(cut: &CutMesh, route: &Route) -> Option<Vec<Stop>> {
+/// Finds the cheapest way (A*); none if there is none.
+pub fn route(cut: &CutMesh, route: &Route) -> Option<Found> {
     let goal = Stop::Vertex(route.ends[1]);
     let mut search = Search { cut, route, queue: BinaryHeap::new(), reached: BTreeMap::new() };
     search.leave();
-    while let Some(Nearest(cost, at)) = search.queue.pop() {
+    while let Some(Nearest(least, at)) = search.queue.pop() {
+        let cost = search.reached[&at].0;
         if at == goal {
-            return Some(search.trail(at));
+            return Some(Found { stops: search.trail(at), cost });
         }
-        if search.reached.get(&at).is_some_and(|r| r.0 < cost) {
+        if cost + search.ahead(at) < least {
             continue;
         }
         match at {
@@ -136,8 +146,13 @@ impl Search<'_> {
     fn note(&mut self, from: Option<Stop>, cost: f64, to: Stop) {
         if self.reached.get(&to).is_none_or(|r| cost < r.0) {
             self.reached.insert(to, (cost, from));
-            self.queue.push(Nearest(cost, to));
+            self.queue.push(Nearest(cost + self.ahead(to), to));
         }
+    }
+
+    /// The way ahead costs at least so much.
+    fn ahead(&self, at: Stop) -> f64 {
+        self.position(at).distance(self.cut.positions[self.route.ends[1]])
     }
 
     /// True if half-edge `at`, which leaves the goal, lies in its sector: from the middle of an edge with its face, from a
