@@ -119,8 +119,8 @@ fn run(rings: u32, count: usize, kind: Kind, seed: u64) -> ConstrainReport {
         let [met, smooth] = report.e_l2;
         let seconds = start.elapsed().as_secs_f64();
         eprintln!(
-            "{name}, {n} vertices: {} warps, {} swaps, Steiner {before} to {after}, E_L2 {met:.3} to {smooth:.3}, {seconds:.1} s",
-            report.warps, report.swaps
+            "{name}, {n} vertices: carried {}, Steiner {before} to {after}, E_L2 {met:.3} to {smooth:.3}, {seconds:.1} s",
+            report.carried
         );
     }
     report

@@ -23,13 +23,11 @@ use crate::plane::divide::split_dividing_edges;
 use crate::plane::orientation::orientation;
 use crate::plane::patch_disc::{PatchDisc, arc_shares, patch_discs};
 use crate::plane::stretch::Frame;
-use crate::plane::warp::{Triangulation, Walker, WarpOptions, warp};
+use crate::plane::warp::Triangulation;
 use glam::DVec2;
 use rayon::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation as _};
 
-/// A base triangle less high than this share of the image's side is no place to stop: what it holds is crowded.
-const ROOM: f64 = 2e-3;
 /// Times that all paths are laid anew at most.
 const RELAYS: usize = 4;
 
@@ -61,42 +59,18 @@ impl Ground {
     }
 }
 
-/// Brings all features to their places, or so far that `most` edges of the base mesh are swapped; the disc gets the
-/// vertices that paths need. Returns the number of swaps as well.
+/// Brings the features to places, one for each, by a base mesh over these whose paths lie on the disc as they can; the disc
+/// gets the vertices that paths need.
 ///
 /// # Errors
 /// Unsolvable if double precision cannot hold the patches.
-pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
-    let sheet = &refined.sheet;
-    let ground = Ground::of(sheet)?;
-    let mut base = guiding(&ground.places())?;
-    let mut network = Network::lay(&ground.mesh, &base, &ground.points, &ground.rim)?;
-    let mut warped = base.clone();
-    relay(&mut network, &base)?;
-    let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
-    let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, room: ROOM, ..WarpOptions::default() })
-        .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
-    for swap in &swaps {
-        base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;
-        network.swap(&base, swap)?;
-    }
-    relay(&mut network, &base)?;
-    Ok((placed(refined, network, &ground.mesh, &warped)?, swaps.len()))
-}
-
-/// Brings all features to their places by a base mesh over these, whose paths lie on the disc as they can.
-///
-/// # Errors
-/// Unsolvable if double precision cannot hold the patches.
-pub fn grow_sheet(refined: &Refined) -> Result<Refined> {
+pub fn place_by_paths(refined: &Refined, to: &[DVec2]) -> Result<Refined> {
     let ground = Ground::of(&refined.sheet)?;
     let mut places = ground.places();
-    places.iter_mut().zip(&refined.sheet.features).for_each(|(p, f)| *p = f.place);
+    places[..to.len()].copy_from_slice(to);
     let base = guiding(&places)?;
-    let mut network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim)?;
-    eprintln!("grown: added {}", network.added());
-    relay(&mut network, &base)?;
-    eprintln!("relaid: added {}", network.added());
+    let network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim)?;
+    let network = relaid(network, &base)?;
     placed(refined, network, &ground.mesh, &base)
 }
 
@@ -137,15 +111,16 @@ fn straightened(network: Network, mesh: &TriMesh, base: &Triangulation) -> Resul
 }
 
 /// Lays all paths anew as long as that takes out vertices.
-fn relay(network: &mut Network, base: &Triangulation) -> Result<()> {
+fn relaid<'a>(mut network: Network<'a>, base: &Triangulation) -> Result<Network<'a>> {
     for _ in 0..RELAYS {
-        let before = network.added();
-        network.relay(base)?;
-        if network.added() >= before {
+        let mut next = network.clone();
+        next.relay(base)?;
+        if next.added() >= network.added() {
             break;
         }
+        network = next;
     }
-    Ok(())
+    Ok(network)
 }
 
 /// The Delaunay triangulation of the features, where they are, and the ring.

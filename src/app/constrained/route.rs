@@ -9,10 +9,16 @@ use crate::solve::nearest::Nearest;
 use glam::DVec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// A way beside a taken vertex counts as this many times its length.
-const CROWDED: f64 = 3.0;
-/// A split edge counts as a detour of this many times its length.
-const SPLIT: f64 = 4.0;
+/// What a path pays besides its length.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolls {
+    /// For every place on it, in units of length: a path over few vertices leaves more to others.
+    pub hop: f64,
+    /// A way beside a taken vertex counts as this many times its length.
+    pub crowded: f64,
+    /// A split edge counts as a detour of this many times its length.
+    pub split: f64,
+}
 
 /// What is asked for.
 pub struct Route {
@@ -21,8 +27,8 @@ pub struct Route {
     /// The half-edges that leave each end into the faces in which the path may leave or arrive; along the first one, and
     /// one behind the last, other paths run.
     pub sectors: [Vec<HalfedgeId>; 2],
-    /// What a place costs besides the way to it, in units of length: a path over few vertices leaves more to others.
-    pub hop: f64,
+    /// What it pays.
+    pub tolls: Tolls,
 }
 
 /// A place between the ends.
@@ -125,22 +131,16 @@ impl Search<'_> {
             return;
         }
         let start = from.map_or(self.cut.positions[self.route.ends[0]], |s| self.position(s));
-        let way = start.distance(self.position(to)) + self.route.hop;
+        let Tolls { hop, crowded, split } = self.route.tolls;
+        let way = start.distance(self.position(to)) + hop;
         let toll = match to {
-            Stop::Vertex(v) if v == self.route.ends[1] => 1.0,
-            Stop::Vertex(v) => {
-                if self.is_crowded(v) {
-                    CROWDED
-                } else {
-                    1.0
-                }
-            }
+            Stop::Vertex(v) if v == self.route.ends[1] => way,
+            Stop::Vertex(v) => way * if self.is_crowded(v) { crowded } else { 1.0 },
             Stop::Middle([p, q]) => {
-                let whole = self.cut.positions[p].distance(self.cut.positions[q]) + self.route.hop;
-                return self.note(from, cost + way * CROWDED + whole * SPLIT, to);
+                way * crowded + (self.cut.positions[p].distance(self.cut.positions[q]) + hop) * split
             }
         };
-        self.note(from, cost + way * toll, to);
+        self.note(from, cost + toll, to);
     }
 
     fn note(&mut self, from: Option<Stop>, cost: f64, to: Stop) {

@@ -10,7 +10,8 @@
 //! that lie far from their neighbours run straight then, and the short ones give way. The other way around the long ones
 //! run through a maze, and all that they cut off winds around them.
 
-use super::{Network, edges_of};
+use super::super::route::Tolls;
+use super::{Network, SPARING, STRAIGHT, edges_of};
 use crate::error::Result;
 use crate::mesh::{LandmarkId, TriMesh, VertexId};
 use crate::plane::warp::Triangulation;
@@ -20,9 +21,6 @@ use std::collections::BinaryHeap;
 /// Edges by what their paths cost at least: costs only grow as others are laid.
 type Queue = BinaryHeap<Nearest<[u32; 2]>>;
 
-/// Paths of the tree that cost at least this share of the longest one are laid together, before the tree is found anew: with
-/// a smaller share trees are found fewer times, of paths that block each other more.
-const TOGETHER: f64 = 0.7;
 /// A path that others have made so many times as dear since the tree was found waits for the next tree.
 const DEARER: f64 = 1.2;
 
@@ -39,7 +37,7 @@ impl<'a> Network<'a> {
         let mut queue: Queue = inner.map(|[a, b]| Nearest(place(a).distance(place(b)), [a, b])).collect();
         let shortest = network.shortest_tree(base, tree.clone(), &mut queue)?;
         for &Nearest(cost, edge) in shortest.iter().rev() {
-            let found = network.find(base, edge)?;
+            let found = network.find(base, edge, &STRAIGHT)?;
             if found.cost <= DEARER * cost {
                 network.follow(edge, &found)?;
                 join(&mut tree, edge);
@@ -47,42 +45,45 @@ impl<'a> Network<'a> {
         }
         queue.retain(|Nearest(_, [a, b])| !network.arcs.contains_key(&[*a, *b]));
         let mut chords = Queue::new();
-        while let Some(next) = queue.pop() {
-            let [a, b] = next.1;
+        while let Some(&Nearest(_, [a, b])) = queue.peek() {
             if tree[a as usize] == tree[b as usize] {
-                chords.push(next);
-            } else if network.lay_if_cheapest(base, next, &mut queue)? {
-                join(&mut tree, [a, b]);
+                chords.extend(queue.pop());
+            } else if let Some(edge) = network.lay_if_cheapest(base, &mut queue, &STRAIGHT)? {
+                join(&mut tree, edge);
             }
         }
-        eprintln!("dbg tree added {}", network.added());
-        while let Some(next) = chords.pop() {
-            network.lay_if_cheapest(base, next, &mut chords)?;
+        while !chords.is_empty() {
+            network.lay_if_cheapest(base, &mut chords, &SPARING)?;
         }
         Ok(network)
     }
 
-    /// Lays a path if none in the queue can be cheaper, otherwise puts it back with what it costs now.
-    fn lay_if_cheapest(&mut self, base: &Triangulation, Nearest(_, edge): Nearest<[u32; 2]>, queue: &mut Queue) -> Result<bool> {
-        let found = self.find(base, edge)?;
+    /// Lays the path of the first edge in the queue if no other can be cheaper, otherwise puts it back with what it costs now.
+    fn lay_if_cheapest(&mut self, base: &Triangulation, queue: &mut Queue, tolls: &Tolls) -> Result<Option<[u32; 2]>> {
+        let Some(Nearest(_, edge)) = queue.pop() else { return Ok(None) };
+        let found = self.find(base, edge, tolls)?;
         if queue.peek().is_some_and(|rival| rival.0 < found.cost) {
             queue.push(Nearest(found.cost, edge));
-            return Ok(false);
+            return Ok(None);
         }
-        if found.cost>10.0 {eprintln!("dbg {edge:?} cost {:.3} added {}", found.cost, self.added());}
         self.follow(edge, &found)?;
-        Ok(true)
+        Ok(Some(edge))
     }
 
     /// The edges, cheapest first, that make one tree of what is joined now, and what their paths cost as things are.
-    fn shortest_tree(&self, base: &Triangulation, mut tree: Vec<usize>, queue: &mut Queue) -> Result<Vec<Nearest<[u32; 2]>>> {
+    fn shortest_tree(
+        &self,
+        base: &Triangulation,
+        mut tree: Vec<usize>,
+        queue: &mut Queue,
+    ) -> Result<Vec<Nearest<[u32; 2]>>> {
         let (mut found, mut seen): (Vec<Nearest<[u32; 2]>>, Vec<Nearest<[u32; 2]>>) = (Vec::new(), Vec::new());
         while let Some(Nearest(least, edge)) = queue.pop() {
             if tree[edge[0] as usize] == tree[edge[1] as usize] {
                 seen.push(Nearest(least, edge));
                 continue;
             }
-            let cost = self.find(base, edge)?.cost;
+            let cost = self.find(base, edge, &STRAIGHT)?.cost;
             if queue.peek().is_some_and(|rival| rival.0 < cost) {
                 queue.push(Nearest(cost, edge));
             } else {
