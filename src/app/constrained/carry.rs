@@ -4,11 +4,11 @@
 //! ways of two cross as often as both numbers multiplied. In between the disc is relaxed, and does without most of the
 //! vertices that paths needed. If double precision cannot hold that, all are carried at once.
 
-use super::ConstrainReport;
 use super::base::place_by_paths;
 use super::refined::Refined;
 use super::relax::{Relaxation, relax};
 use super::sheet::Sheet;
+use super::{ConstrainReport, stretch_of};
 use crate::error::Result;
 use crate::gpu::Compute;
 use glam::DVec2;
@@ -17,6 +17,13 @@ use glam::DVec2;
 const ROUNDS: usize = 3;
 /// Such attempts every time that features are carried.
 const ATTEMPTS: usize = 6;
+/// While features are still to be carried, a mean squared stretch around a Steiner vertex that is no reason to keep it: with
+/// less more stay, for paths to wind through; with more triangles are crushed that no relaxation gets open again.
+const FAIR: f64 = 100.0;
+/// In the end the fewest vertices are worth it if E_L2 grows by no more than this factor.
+const PRICE: f64 = 1.5;
+/// Rounds of relaxation before the two are compared.
+const LAST_ROUNDS: usize = 8;
 /// Features that have no farther to go than this, in distances of neighbouring places, all go at once. With more, paths
 /// around some of them cross; with less, those that could go together take turns.
 const TOGETHER: f64 = 1.5;
@@ -35,9 +42,9 @@ pub fn carry(flat: &Refined, compute: &Compute, report: &mut ConstrainReport) ->
         refined = carried.or_else(|_| place_by_paths(flat, &places(&flat.sheet)))?;
         report.carried += 1;
         report.steiner[0] += refined.steiner.len();
-        tidy(&mut refined, compute)?;
+        tidy(&mut refined, compute, FAIR)?;
     }
-    Ok(refined)
+    thin(refined, compute)
 }
 
 fn places(sheet: &Sheet) -> Vec<DVec2> {
@@ -80,14 +87,64 @@ fn apart(places: &[DVec2], i: usize) -> f64 {
 }
 
 /// Relaxes a disc in which features were carried and takes out the Steiner vertices that it can do without then.
-fn tidy(refined: &mut Refined, compute: &Compute) -> Result<()> {
+fn tidy(refined: &mut Refined, compute: &Compute, most: f64) -> Result<()> {
     for _ in 0..ATTEMPTS {
-        let weight = vec![1.0; refined.sheet.triangles.len()];
-        relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds: ROUNDS })?;
+        settle(refined, compute, ROUNDS)?;
         if refined.steiner.is_empty() {
             break;
         }
-        refined.take_out();
+        refined.take_out(most);
     }
-    Ok(())
+    settle(refined, compute, ROUNDS)
+}
+
+/// Takes out all Steiner vertices whose going folds nothing, unless the whole is much the worse for it.
+fn thin(refined: Refined, compute: &Compute) -> Result<Refined> {
+    if refined.steiner.is_empty() {
+        return Ok(refined);
+    }
+    let mut thinner = refined.clone();
+    tidy(&mut thinner, compute, f64::INFINITY)?;
+    settle(&mut thinner, compute, LAST_ROUNDS)?;
+    Ok(if stretch_of(&thinner.sheet) <= PRICE * stretch_of(&refined.sheet) { thinner } else { refined })
+}
+
+fn settle(refined: &mut Refined, compute: &Compute, rounds: usize) -> Result<()> {
+    let weight = vec![1.0; refined.sheet.triangles.len()];
+    relax(&mut refined.sheet, compute, &Relaxation { weight: &weight, rounds, crushed: true })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sheet::Feature;
+    use super::*;
+
+    /// Features 0 to 3 in a row, `to` being where they belong.
+    fn row(to: [f64; 4]) -> Sheet {
+        let at = [0.2, 0.4, 0.6, 0.8].map(|x| DVec2::new(x, 0.5));
+        let place = |x: f64| DVec2::new(x, 0.5);
+        Sheet {
+            points: Vec::new(),
+            triangles: Vec::new(),
+            real: 0,
+            uv: at.to_vec(),
+            boundary: Vec::new(),
+            features: (0..4).map(|i| Feature { vertex: i, place: place(to[i as usize]) }).collect(),
+            ring: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn first_go_those_that_have_not_far_to_go() {
+        let next = next_places(&row([0.25, 0.45, 0.65, 0.05]));
+        assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.25, 0.45, 0.65, 0.8]);
+    }
+
+    #[test]
+    fn who_goes_far_takes_those_in_the_way_along() {
+        let next = next_places(&row([0.8, 0.4, 0.6, 0.2]));
+        assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.8, 0.4, 0.6, 0.2]);
+        let next = next_places(&row([0.92, 0.4, 0.6, 0.05]));
+        assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.92, 0.4, 0.6, 0.8]);
+    }
 }

@@ -6,7 +6,7 @@
 //! walk.rs      features walk there, the mesh giving way; creep.rs where the whole cannot follow
 //!              all there: no vertex is added
 //! carry.rs     otherwise features are carried, a few at a time, by a base mesh over their places (base.rs)
-//!              network.rs, route.rs: its edges as paths; refined.rs, subdivided.rs: the vertices they add
+//!              network.rs, route.rs: its edges as paths; refined.rs, subdivided.rs, fair.rs: the vertices they add
 //! relax.rs     triangles take the shapes they have in space, most of all near features (weight.rs)
 //! job.rs       from files to a folder: disc.rs, seam.rs before, files.rs, preview.rs after
 //! ```
@@ -18,6 +18,7 @@ pub mod base;
 mod carry;
 mod creep;
 pub mod disc;
+mod fair;
 mod files;
 pub mod job;
 mod network;
@@ -80,7 +81,7 @@ pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, Constr
 fn smooth(sheet: &mut Sheet, compute: &Compute) -> Result<()> {
     let before = sheet.clone();
     for weight in [near_features(sheet), vec![1.0; sheet.triangles.len()]] {
-        relax(sheet, compute, &Relaxation { weight: &weight, rounds: LAST_ROUNDS })?;
+        relax(sheet, compute, &Relaxation { weight: &weight, rounds: LAST_ROUNDS, crushed: false })?;
         if stretch_of(sheet) <= stretch_of(&before) {
             return Ok(());
         }

@@ -1,19 +1,13 @@
 //! A laid out disc with vertices added inside its faces and on its edges.
 
+use super::fair::Fair;
 use super::sheet::Sheet;
 use super::subdivided::{Pull, Steiner, Subdivided};
-use crate::mesh::{FaceId, Id, TriMesh, VertexId, metric};
+use crate::mesh::{FaceId, Id, TriMesh, VertexId};
 use crate::path::cut_mesh::CutMesh;
 use crate::plane::orientation::orientation;
-use crate::plane::stretch::l2_sq;
 use crate::plane::visible::kernel;
 use glam::{DVec2, DVec3};
-
-/// A mean squared stretch around a vertex taken out that is no reason to keep it: with less, vertices stay that hardly
-/// anybody misses, with more, triangles are crushed that no relaxation gets open again.
-const FAIR: f64 = 100.0;
-/// Where the stretch is greater already it may grow by this factor.
-const WORSE: f64 = 1.5;
 
 /// A disc with added vertices.
 #[derive(Clone, Debug)]
@@ -97,9 +91,10 @@ impl Refined {
         self.given
     }
 
-    /// Takes out the Steiner vertices that the others can do without.
-    pub fn take_out(&mut self) {
-        let unit = self.sheet.unit();
+    /// Takes out the Steiner vertices that the others can do without; `most` is the mean squared stretch that is no
+    /// reason to keep one, 1 for an isometry.
+    pub fn take_out(&mut self, most: f64) {
+        let fair = Fair::new(&self.sheet, self.real_faces, most);
         let Refined { sheet, part_of, steiner, given, faces, .. } = self;
         let mut is_rim = vec![false; sheet.uv.len()];
         sheet.boundary.iter().for_each(|&v| is_rim[v as usize] = true);
@@ -108,7 +103,7 @@ impl Refined {
         let mut left: Vec<u32> = (*given as u32..sheet.uv.len() as u32).collect();
         loop {
             let count = left.len();
-            left.retain(|&s| !take_out_one(sheet, self.real_faces, unit, &is_rim, &mut sub, s));
+            left.retain(|&s| !take_out_one(sheet, &fair, &is_rim, &mut sub, s));
             if left.len() == count {
                 break;
             }
@@ -147,40 +142,18 @@ fn boundary_holds(sheet: &Sheet, is_rim: &[bool], sub: &Subdivided, pull: &Pull)
     !others.into_iter().any(|v| !sub.fan(v).is_empty() && lies_in(sheet.uv[v as usize]))
 }
 
-/// Takes one Steiner vertex out if some way to do so folds nothing and crushes nothing; `unit` is the area in the plane per
-/// area in space.
-fn take_out_one(sheet: &mut Sheet, real: usize, unit: f64, is_rim: &[bool], sub: &mut Subdivided, s: u32) -> bool {
+/// Takes one Steiner vertex out if some way to do so folds nothing and is fair.
+fn take_out_one(sheet: &mut Sheet, fair: &Fair, is_rim: &[bool], sub: &mut Subdivided, s: u32) -> bool {
     let placed = |pull: Pull| {
         let holds = boundary_holds(sheet, is_rim, sub, &pull);
         let place = holds.then(|| place_for(sheet, is_rim, sub, &pull)).flatten()?;
-        is_fair(sheet, real, unit, sub, &pull, place).then_some((pull, place))
+        fair.allows(sheet, sub, &pull, place).then_some((pull, place))
     };
     let found = sub.pulls(s).find_map(placed);
     let Some((pull, place)) = found else { return false };
     sheet.uv[pull.onto as usize] = place;
     sub.pull(&pull);
     true
-}
-
-/// True if the stretch of the triangles around stays within [`FAIR`], or does not grow by more than [`WORSE`].
-fn is_fair(sheet: &Sheet, real: usize, unit: f64, sub: &Subdivided, pull: &Pull, place: DVec2) -> bool {
-    let moved = sub.fan(pull.onto).iter().filter(|t| !pull.dying.contains(t));
-    let (mut before, mut after, mut whole) = (0.0, 0.0, 0.0);
-    for &t in sub.fan(pull.from).iter().chain(moved).filter(|&&t| (sub.part_of[t as usize] as usize) < real) {
-        let corners = sub.triangles[t as usize];
-        let planar = corners.map(|v| sheet.uv[v as usize]);
-        let spatial = corners.map(|v| sheet.points[v as usize]);
-        let area = metric::area(spatial);
-        whole += area;
-        before += l2_sq(planar, spatial) * area;
-        if !pull.dying.contains(&t) {
-            let pulled = |v: u32| if v == pull.from { pull.onto } else { v };
-            let planar = corners.map(|v| if pulled(v) == pull.onto { place } else { sheet.uv[v as usize] });
-            let spatial = corners.map(|v| sheet.points[pulled(v) as usize]);
-            after += l2_sq(planar, spatial) * metric::area(spatial);
-        }
-    }
-    after * unit <= FAIR * whole || after <= WORSE * before
 }
 
 /// Where the vertex pulled onto must lie for no triangle to fold: where it is, or, if it may move, in the middle of what

@@ -56,7 +56,7 @@ fn creep_on(sheet: &mut Sheet, compute: &Compute, even: &[f64]) -> Result<bool> 
     for _ in 0..CREEPS {
         let before = left(sheet);
         creep(sheet)?;
-        relax(sheet, compute, &Relaxation { weight: even, rounds: 1 })?;
+        relax(sheet, compute, &Relaxation { weight: even, rounds: 1, crushed: false })?;
         if sheet.is_met() || left(sheet) > before * (1.0 - IDLE) {
             break;
         }
