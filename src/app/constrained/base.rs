@@ -63,13 +63,15 @@ impl Ground {
 /// gets the vertices that paths need.
 ///
 /// # Errors
-/// Unsolvable if double precision cannot hold the patches.
-pub fn place_by_paths(refined: &Refined, to: &[DVec2]) -> Result<Refined> {
+/// Unsolvable if double precision cannot hold the patches, or if paths need more than `most` times as many vertices as
+/// there are.
+pub fn place_by_paths(refined: &Refined, to: &[DVec2], most: usize) -> Result<Refined> {
     let ground = Ground::of(&refined.sheet)?;
     let mut places = ground.places();
     places[..to.len()].copy_from_slice(to);
     let base = guiding(&places)?;
-    let network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim)?;
+    let most = most.saturating_mul(ground.mesh.positions.len());
+    let network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim, most)?;
     let network = relaid(network, &base)?;
     placed(refined, network, &ground.mesh, &base)
 }

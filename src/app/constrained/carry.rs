@@ -1,8 +1,9 @@
 //! Features that cannot walk are carried to their places: a base mesh over the places takes them along (base.rs).
 //!
-//! First those that have not far to go, then the others one at a time: paths wind around what is carried far, and where the
+//! All at once, if paths need not wind too much for that. Otherwise first those that have not far to go, then the others one
+//! at a time: paths wind around what is carried far, and where the
 //! ways of two cross as often as both numbers multiplied. In between the disc is relaxed, and does without most of the
-//! vertices that paths needed. If double precision cannot hold that, all are carried at once.
+//! vertices that paths needed. If double precision cannot hold that, all are carried at once after all.
 
 use super::base::place_by_paths;
 use super::refined::Refined;
@@ -17,6 +18,11 @@ use glam::DVec2;
 const ROUNDS: usize = 3;
 /// Such attempts every time that features are carried.
 const ATTEMPTS: usize = 6;
+/// All are carried at once if paths add no more than so many times the vertices: with more they wind around each other, which
+/// takes long and leaves triangles that no relaxation gets open again.
+const MOST: usize = 3;
+/// An E_L2 with which taking turns is not tried.
+const GOOD: f64 = 6.0;
 /// While features are still to be carried, a mean squared stretch around a Steiner vertex that is no reason to keep it: with
 /// less more stay, for paths to wind through; with more triangles are crushed that no relaxation gets open again.
 const FAIR: f64 = 100.0;
@@ -36,14 +42,36 @@ const NEAR: f64 = 0.3;
 /// # Errors
 /// Unsolvable if double precision cannot hold the result.
 pub fn carry(flat: &Refined, compute: &Compute, report: &mut ConstrainReport) -> Result<Refined> {
+    let whole =
+        place_by_paths(flat, &places(&flat.sheet), MOST).ok().map(|w| finished(w, compute, report)).transpose()?;
+    match whole {
+        Some(whole) if stretch_of(&whole.sheet) <= GOOD => Ok(whole),
+        None => carry_in_turn(flat, compute, report),
+        Some(whole) => {
+            let turns = carry_in_turn(flat, compute, report)?;
+            Ok(if stretch_of(&turns.sheet) < stretch_of(&whole.sheet) { turns } else { whole })
+        }
+    }
+}
+
+/// Carries them a few at a time.
+fn carry_in_turn(flat: &Refined, compute: &Compute, report: &mut ConstrainReport) -> Result<Refined> {
     let mut refined = flat.clone();
     while !refined.sheet.is_met() {
-        let carried = place_by_paths(&refined, &next_places(&refined.sheet));
-        refined = carried.or_else(|_| place_by_paths(flat, &places(&flat.sheet)))?;
+        let carried = place_by_paths(&refined, &next_places(&refined.sheet), usize::MAX);
+        refined = carried.or_else(|_| place_by_paths(flat, &places(&flat.sheet), usize::MAX))?;
         report.carried += 1;
         report.steiner[0] += refined.steiner.len();
         tidy(&mut refined, compute, FAIR)?;
     }
+    thin(refined, compute)
+}
+
+/// A disc in which all were carried at once, relaxed, with the Steiner vertices that it needs.
+fn finished(mut refined: Refined, compute: &Compute, report: &mut ConstrainReport) -> Result<Refined> {
+    report.carried += 1;
+    report.steiner[0] += refined.steiner.len();
+    tidy(&mut refined, compute, FAIR)?;
     thin(refined, compute)
 }
 

@@ -11,7 +11,7 @@
 //! run through a maze, and all that they cut off winds around them.
 
 use super::super::route::Tolls;
-use super::{Network, SPARING, STRAIGHT, edges_of};
+use super::{Network, SPARING, STRAIGHT, edges_of, too_fine};
 use crate::error::Result;
 use crate::mesh::{LandmarkId, TriMesh, VertexId};
 use crate::plane::warp::Triangulation;
@@ -28,7 +28,16 @@ impl<'a> Network<'a> {
     /// Lays a path along every edge of the base mesh, whose point `i` is vertex `points[i]` of `mesh`, wherever that lies.
     ///
     /// `rim` is the mesh's boundary in order, from the first of those points on that lie on it; they come last.
-    pub fn grow(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
+    ///
+    /// # Errors
+    /// Unsolvable once paths have added more than `most` vertices.
+    pub fn grow(
+        mesh: &'a TriMesh,
+        base: &Triangulation,
+        points: &[VertexId],
+        rim: &[VertexId],
+        most: usize,
+    ) -> Result<Self> {
         let mut network = Self::framed(mesh, points, rim)?;
         let mut tree: Vec<usize> = (0..points.len()).collect();
         network.arcs.keys().for_each(|&edge| join(&mut tree, edge));
@@ -54,6 +63,7 @@ impl<'a> Network<'a> {
         }
         while !chords.is_empty() {
             network.lay_if_cheapest(base, &mut chords, &SPARING)?;
+            (network.added() <= most).then_some(()).ok_or_else(too_fine)?;
         }
         Ok(network)
     }
