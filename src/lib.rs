@@ -44,7 +44,7 @@
 //! [`app::morph`] puts finished maps into one file as morph targets. [`app::diffusion`] gives the regions of a mesh coordinates
 //! by fronts from their sides ([`path::side_front`]), and maps equal regions of two meshes onto each other.
 //! [`app::constrained`] lays a disc onto an image with vertices exactly where the user wants them; where they cannot walk
-//! there, [`plane::warp`] warps a base mesh in their stead. [`picture::render`] draws previews.
+//! there, a base mesh over their places takes the disc along. [`picture::render`] draws previews.
 //!
 //! # Who may import whom
 //!

@@ -1,16 +1,17 @@
-//! What cannot walk is warped: a base mesh over the features is warped in their stead, and the disc follows patch by patch
-//! (WARP 4.2 and 4.3).
+//! A base mesh over the features' next places, whose edges are paths on the disc: with the paths straight the disc follows,
+//! patch by patch (WARP 4.2 and 4.3).
 //!
 //! ```text
-//! features and ring --Delaunay--> base mesh --network.rs--> paths on the disc and its scaffold
-//! base mesh --plane::warp--> the same with all features at their places, and the edges swapped on the way
-//! every swap --network.rs--> a path exchanged
+//! next places and ring --Delaunay--> base mesh
+//! its edges --network.rs--> paths on the disc and its scaffold, wherever the features are
 //! base triangles --embed_patch--> the disc within straight sides
 //! ```
 //!
-//! Invariant: base triangles are exactly counter-clockwise at the end, and each holds a convex embedding of the faces
-//! between its paths, so nothing folds; rounding is checked exactly. The paper moves the faces along at every swap; where
-//! features pass close by each other that goes through patches without area, which only the end's patches avoid.
+//! The paper lays paths where the features are and exchanges one at every swap of a warp (`plane::warp`); where features go
+//! far the paths then wind around each other without end. Here they are laid for where the features go at once.
+//!
+//! Invariant: base triangles are exactly counter-clockwise, and each holds a convex embedding of the faces between its paths,
+//! so nothing folds; rounding is checked exactly.
 
 use super::network::{Network, lifted, too_fine};
 use super::refined::Refined;

@@ -8,7 +8,7 @@
 //!
 //! The tree decides how paths wind around points. It is the shortest one, its longest paths laid first: those of points
 //! that lie far from their neighbours run straight then, and the short ones give way. The other way around the long ones
-//! run through a maze, and all that they cut off winds around them.
+//! run through a maze, and all that they cut off winds around them: a hundred times as many vertices.
 
 use super::super::route::Tolls;
 use super::{Network, SPARING, STRAIGHT, edges_of, too_fine};
@@ -18,10 +18,13 @@ use crate::plane::warp::Triangulation;
 use crate::solve::nearest::Nearest;
 use std::collections::BinaryHeap;
 
-/// Edges by what their paths cost at least: costs only grow as others are laid.
-type Queue = BinaryHeap<Nearest<[u32; 2]>>;
+/// An edge and what its path costs at least: costs only grow as others are laid.
+type Edge = Nearest<[u32; 2]>;
+/// Edges, the cheapest first.
+type Queue = BinaryHeap<Edge>;
 
-/// A path that others have made so many times as dear since the tree was found waits for the next tree.
+/// A path that others laid before have made so many times as dear waits until the cheaper ones are laid: with more it winds
+/// around them, and what crosses it winds as well; with less straight long ones wait until they no longer can be.
 const DEARER: f64 = 1.2;
 
 impl<'a> Network<'a> {
@@ -39,33 +42,39 @@ impl<'a> Network<'a> {
         most: usize,
     ) -> Result<Self> {
         let mut network = Self::framed(mesh, points, rim)?;
-        let mut tree: Vec<usize> = (0..points.len()).collect();
-        network.arcs.keys().for_each(|&edge| join(&mut tree, edge));
         let place = |i: u32| network.cut.positions[network.cut.landmarks[LandmarkId(i)]];
         let inner = edges_of(base).into_iter().filter(|edge| !network.arcs.contains_key(edge));
-        let mut queue: Queue = inner.map(|[a, b]| Nearest(place(a).distance(place(b)), [a, b])).collect();
-        let shortest = network.shortest_tree(base, tree.clone(), &mut queue)?;
-        for &Nearest(cost, edge) in shortest.iter().rev() {
-            let found = network.find(base, edge, &STRAIGHT)?;
-            if found.cost <= DEARER * cost {
-                network.follow(edge, &found)?;
-                join(&mut tree, edge);
-            }
-        }
-        queue.retain(|Nearest(_, [a, b])| !network.arcs.contains_key(&[*a, *b]));
-        let mut chords = Queue::new();
-        while let Some(&Nearest(_, [a, b])) = queue.peek() {
-            if tree[a as usize] == tree[b as usize] {
-                chords.extend(queue.pop());
-            } else if let Some(edge) = network.lay_if_cheapest(base, &mut queue, &STRAIGHT)? {
-                join(&mut tree, edge);
-            }
-        }
+        let queue: Queue = inner.map(|[a, b]| Nearest(place(a).distance(place(b)), [a, b])).collect();
+        let mut chords = network.lay_tree(base, queue)?;
         while !chords.is_empty() {
             network.lay_if_cheapest(base, &mut chords, &SPARING)?;
             (network.added() <= most).then_some(()).ok_or_else(too_fine)?;
         }
         Ok(network)
+    }
+
+    /// Lays paths that make one tree of all points and the rim; returns the other edges.
+    fn lay_tree(&mut self, base: &Triangulation, mut queue: Queue) -> Result<Queue> {
+        let mut tree: Vec<usize> = (0..self.cut.landmarks.len()).collect();
+        self.arcs.keys().for_each(|&edge| join(&mut tree, edge));
+        let shortest = self.shortest_tree(base, tree.clone(), &mut queue)?;
+        for &Nearest(cost, edge) in shortest.iter().rev() {
+            let found = self.find(base, edge, &STRAIGHT)?;
+            if found.cost <= DEARER * cost {
+                self.follow(edge, &found)?;
+                join(&mut tree, edge);
+            }
+        }
+        queue.retain(|Nearest(_, edge)| !self.arcs.contains_key(edge));
+        let mut chords = Queue::new();
+        while let Some(&Nearest(_, [a, b])) = queue.peek() {
+            if tree[a as usize] == tree[b as usize] {
+                chords.extend(queue.pop());
+            } else if let Some(edge) = self.lay_if_cheapest(base, &mut queue, &STRAIGHT)? {
+                join(&mut tree, edge);
+            }
+        }
+        Ok(chords)
     }
 
     /// Lays the path of the first edge in the queue if no other can be cheaper, otherwise puts it back with what it costs now.
@@ -81,13 +90,9 @@ impl<'a> Network<'a> {
     }
 
     /// The edges, cheapest first, that make one tree of what is joined now, and what their paths cost as things are.
-    fn shortest_tree(
-        &self,
-        base: &Triangulation,
-        mut tree: Vec<usize>,
-        queue: &mut Queue,
-    ) -> Result<Vec<Nearest<[u32; 2]>>> {
-        let (mut found, mut seen): (Vec<Nearest<[u32; 2]>>, Vec<Nearest<[u32; 2]>>) = (Vec::new(), Vec::new());
+    fn shortest_tree(&self, base: &Triangulation, mut tree: Vec<usize>, queue: &mut Queue) -> Result<Vec<Edge>> {
+        let mut found: Vec<Edge> = Vec::new();
+        let mut seen: Vec<Edge> = Vec::new();
         while let Some(Nearest(least, edge)) = queue.pop() {
             if tree[edge[0] as usize] == tree[edge[1] as usize] {
                 seen.push(Nearest(least, edge));
