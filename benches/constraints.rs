@@ -42,7 +42,7 @@ fn main() {
     WARP.iter().for_each(|[v, f, s, t]| println!("{v:6} {f:4} {s:4} {t:8.3} s"));
     TODAY.iter().for_each(|line| println!("{line}"));
     println!(
-        "\nHere: set, vertices, features, warps, swaps, Steiner vertices before and after, E_L2 before and after, seconds"
+        "\nHere: set, vertices, features, times carried, Steiner vertices before and after, E_L2 before and after, seconds"
     );
     let mut sets = Vec::new();
     find(Path::new(&folder), &mut sets);
@@ -51,9 +51,9 @@ fn main() {
         let name = set.file_name().unwrap_or_default().to_string_lossy();
         match row(set) {
             Ok((vertices, features, report, seconds)) => {
-                let ConstrainReport { warps, swaps, steiner: [before, after], e_l2: [met, smooth] } = report;
+                let ConstrainReport { carried, steiner: [before, after], e_l2: [met, smooth] } = report;
                 println!(
-                    "{name:26} {vertices:6} {features:4} {warps:3} {swaps:4} {before:5} {after:4} {met:7.3} {smooth:7.3} {seconds:7.2} s"
+                    "{name:26} {vertices:6} {features:4} {carried:3} {before:5} {after:4} {met:7.3} {smooth:7.3} {seconds:7.2} s"
                 );
             }
             Err(error) => println!("{name:26} {error}"),

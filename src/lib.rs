@@ -47,8 +47,8 @@
 //! [`app::morph`] puts finished maps into one file as morph targets. [`app::diffusion`] gives the regions of a mesh coordinates
 //! by fronts from their sides ([`path::side_front`]), and maps equal regions of two meshes onto each other.
 //! [`app::constrained`] lays a disc onto an image with vertices exactly where the user wants them; where they cannot walk
-//! there, [`plane::warp`] warps a base mesh in their stead. [`picture::render`] draws previews, and [`view`] makes the pages that
-//! show results.
+//! there, a base mesh over their places takes the disc along. [`picture::render`] draws previews, and [`view`] makes the pages
+//! that show results.
 //!
 //! # Who may import whom
 //!

@@ -65,7 +65,7 @@ fn make_pages(place: &Place) {
     place.mesh("ball.obj", &MeshFile::of(&fixture::icosphere(3)));
     place.homeo(&["diffuse", "ball.obj", "--segment", "8", "--repair", "--out", "diffuse"]);
 
-    BallMap::new(5).write(&place.at("large"), 1.0, Some("homeo map"));
+    BallMap::new(5).write(&place.at("large"), 1.0, "homeo map");
     let row = |i: usize| BatchRow {
         id: if i == 0 { "map".to_owned() } else { format!("pair {i}") },
         status: if i % 7 == 3 { BatchStatus::Failed } else { BatchStatus::Ok },

@@ -46,7 +46,7 @@ fn lasting(page: &str) -> String {
 #[test]
 fn the_page_holds_the_result_and_names_no_address() {
     let dir = place("whole");
-    BallMap::new(4).write(&dir, 1.25, Some("homeo map ball.obj pulled.obj"));
+    BallMap::new(4).write(&dir, 1.25, "homeo map ball.obj pulled.obj");
     let page = page(&dir);
     for text in
         ["Certified bijective", "a warning of this test", "homeo map ball.obj", "1.25 s", "same 6 arcs", "8 patches"]
@@ -65,19 +65,12 @@ fn the_page_holds_the_result_and_names_no_address() {
 }
 
 #[test]
-fn without_a_command_to_show_there_is_a_preview_and_no_page() {
-    let dir = place("without");
-    BallMap::new(2).write(&dir, 1.0, None);
-    assert!(dir.join("preview.png").is_file() && !dir.join("report.html").exists());
-}
-
-#[test]
 fn the_same_map_gives_the_same_bytes_on_any_number_of_threads() {
     let ball = BallMap::new(3);
     let written = |threads: usize, seconds: f64| {
         let dir = place(&format!("threads-{threads}"));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| ball.write(&dir, seconds, Some(&format!("homeo --threads {threads}"))));
+        pool.install(|| ball.write(&dir, seconds, &format!("homeo --threads {threads}")));
         (lasting(&page(&dir)), fs::read(dir.join("preview.png")).expect("a preview"))
     };
     let (one, three) = (written(1, 1.0), written(3, 2.0));
@@ -89,7 +82,7 @@ fn the_same_map_gives_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn two_meshes_of_20_000_triangles_stay_below_three_megabytes() {
     let dir = place("large");
-    BallMap::new(5).write(&dir, 1.0, Some("homeo map"));
+    BallMap::new(5).write(&dir, 1.0, "homeo map");
     let page = page(&dir);
     assert_eq!(scene(&page)["surfaces"][0]["triangles"], 20480);
     assert!(page.len() < 3_000_000, "{} bytes", page.len());
@@ -102,7 +95,7 @@ fn hostile_names_stay_text() {
     ball.landmarks.names[0] = name.to_owned();
     ball.files[0].path = PathBuf::from("</title><img src=y>.obj");
     let dir = place("hostile");
-    ball.write(&dir, 1.0, Some("homeo map '</pre><img src=z>'"));
+    ball.write(&dir, 1.0, "homeo map '</pre><img src=z>'");
     let page = page(&dir);
     assert!(!page.contains("<img"), "no element comes from a name");
     assert_eq!(scene(&page)["marks"][0]["name"], name);
@@ -112,7 +105,7 @@ fn hostile_names_stay_text() {
 fn a_stand_in_is_shown_for_meshes_that_are_too_large_and_the_page_says_so() {
     let dir = place("huge");
     let ball = BallMap::new(7);
-    ball.write(&dir, 1.0, Some("homeo map"));
+    ball.write(&dir, 1.0, "homeo map");
     let page = page(&dir);
     let scene = scene(&page);
     let triangles = |k: usize| scene["surfaces"][k]["triangles"].as_u64().expect("a number");
@@ -126,14 +119,14 @@ fn a_stand_in_is_shown_for_meshes_that_are_too_large_and_the_page_says_so() {
 #[test]
 fn the_golden_preview_is_drawn_pixel_for_pixel() {
     let dir = place("golden");
-    BallMap::new(3).write(&dir, 1.0, None);
+    BallMap::new(3).write(&dir, 1.0, "");
     let drawn = dir.join("preview.png");
     let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden/map_preview.png");
     let read = |path: &Path| read_picture(path, true).expect("both are pictures");
     assert!(read(&drawn) == read(&golden), "{} is not the golden picture", drawn.display());
 }
 
-/// The whole program: a page by default, none with `--no-report`.
+/// The whole program: a page and a preview by default, neither with `--no-report`.
 #[test]
 fn map_writes_a_page_unless_told_not_to() {
     let dir = place("program");
@@ -157,7 +150,7 @@ fn map_writes_a_page_unless_told_not_to() {
         assert!(done.expect("the program starts").status.success());
     };
     run(&["--no-report"]);
-    assert!(!dir.join("report.html").exists() && dir.join("preview.png").is_file());
+    assert!(!dir.join("report.html").exists() && !dir.join("preview.png").exists());
     let mut pages = ["1", "2"].map(|threads| {
         run(&["--threads", threads]);
         page(&dir)

@@ -24,7 +24,7 @@ pub struct Global {
     /// Compute device: auto (a hardware GPU if there is one, otherwise the CPU), cpu, gpu, or part of an adapter's name
     #[arg(long, global = true, default_value = "auto", value_name = "auto|cpu|gpu|NAME")]
     pub device: String,
-    /// Do not write report.html, the page that shows a result
+    /// Do not write report.html, the page that shows a result, and the preview of a map
     #[arg(long, global = true)]
     pub no_report: bool,
     /// Threads for the CPU stages; default: one per core

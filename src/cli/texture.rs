@@ -30,8 +30,8 @@ pub fn run(args: &TextureArgs, global: &Global, console: &Console) -> Result<Exi
 fn summary(report: &TextureReport, args: &TextureArgs) -> String {
     let [before, after] = report.constrain.steiner;
     let [met, smooth] = report.constrain.e_l2;
-    let how = if report.constrain.warps > 0 {
-        format!("{} path swaps, {before} Steiner vertices, of which {after} stay", report.constrain.swaps)
+    let how = if report.constrain.carried > 0 {
+        format!("carried {} times, {before} Steiner vertices, of which {after} stay", report.constrain.carried)
     } else {
         "all walked there, no vertex added".to_owned()
     };

@@ -69,8 +69,8 @@ pub struct Shown<'a> {
     pub figures: &'a [NamedFile],
     /// The source's texture as it was asked for; none for that of its materials.
     pub texture: Option<&'a Path>,
-    /// The command as it was typed, if a page is wanted; empty if it is not known.
-    pub command: Option<&'a str>,
+    /// The command as it was typed; empty if it is not known.
+    pub command: &'a str,
 }
 
 /// Name and content of a file.

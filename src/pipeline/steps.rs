@@ -246,12 +246,12 @@ pub fn bake(pair: Pair<Finished>, compute: &Compute, options: &MapOptions, step:
 
 pub fn write(pair: Pair<Baked>, device: &str, page: Option<&PageOptions>, step: &Step) -> Result<Report> {
     let Pair { outputs, checked, made } = &pair;
-    let shown = Shown {
+    let shown = page.map(|page| Shown {
         divided: [&made.divided[0], &made.divided[1]],
         figures: &made.figures,
         texture: outputs.texture.as_deref(),
-        command: page.map(|page| page.command.as_str()),
-    };
+        command: &page.command,
+    });
     let product = Product {
         source: side(&checked.source, made, 0),
         target: side(&checked.target, made, 1),
@@ -264,7 +264,7 @@ pub fn write(pair: Pair<Baked>, device: &str, page: Option<&PageOptions>, step: 
         images: made.images.as_ref(),
         device,
         warnings: checked.warnings.iter().chain(&made.notes).cloned().collect(),
-        shown: Some(shown),
+        shown,
     };
     stage::write::write(&product, &outputs.dir, || step.seconds())
 }

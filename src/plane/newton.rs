@@ -6,9 +6,8 @@
 //! model of the energy falls.
 
 use super::smooth::Smoother;
+use crate::solve::blocks::Blocks;
 use crate::solve::dirichlet::Block;
-use faer::linalg::solvers::Solve;
-use faer::sparse::{SparseColMat, Triplet};
 use glam::DVec2;
 
 /// The step goes at most this share of the way to the first triangle that collapses.
@@ -77,52 +76,30 @@ fn direction(smoother: &Smoother, ways: &[(u32, DVec2)]) -> Option<Vec<DVec2>> {
     if free.is_empty() {
         return None;
     }
-    let n = 2 * free.len();
-    let mut rhs = faer::Mat::<f64>::zeros(n, 1);
-    let mut entries = Vec::with_capacity(21 * smoother.moving.triangles.len() + n);
-    for t in 0..smoother.moving.triangles.len() {
+    let numbered = |t: &[u32; 3]| t.map(|v| number[v as usize]);
+    let mut system = Blocks::new(free.len(), smoother.moving.triangles.iter().map(numbered));
+    let mut rhs = vec![DVec2::ZERO; free.len()];
+    for (t, corners) in smoother.moving.triangles.iter().enumerate() {
         let Some(block) = smoother.model_block(t) else { continue };
-        let corners = smoother.moving.triangles[t];
         let way = corners.map(|v| direction[v as usize]);
-        scatter(&block, &corners.map(|v| number[v as usize]), &way, &mut entries, &mut rhs);
+        scatter(&block, &numbered(corners), &way, &mut system, &mut rhs);
     }
-    let trace: f64 = entries.iter().filter(|e| e.row == e.col).map(|e| e.val).sum();
-    let ridge = RIDGE * trace / n as f64;
-    entries.extend((0..n).map(|i| Triplet { row: i, col: i, val: ridge }));
-    let matrix = SparseColMat::try_new_from_triplets(n, n, &entries).ok()?;
-    let factor = matrix.sp_cholesky(faer::Side::Lower).ok()?;
-    factor.solve_in_place(&mut rhs);
-    for (k, &v) in free.iter().enumerate() {
-        direction[v] = DVec2::new(rhs[(2 * k, 0)], rhs[(2 * k + 1, 0)]);
-    }
+    system.add_ridge(RIDGE * system.mean_diagonal());
+    let found = system.solve(&rhs)?;
+    free.iter().zip(found).for_each(|(&v, d)| direction[v] = d);
     direction.iter().all(|d| d.is_finite()).then_some(direction)
 }
 
 /// Adds a triangle's derivatives to the lower half of the system.
-fn scatter(
-    block: &Block,
-    number: &[u32; 3],
-    way: &[DVec2; 3],
-    entries: &mut Vec<Triplet<usize, usize, f64>>,
-    rhs: &mut faer::Mat<f64>,
-) {
+fn scatter(block: &Block, number: &[u32; 3], way: &[DVec2; 3], system: &mut Blocks, rhs: &mut [DVec2]) {
     for i in (0..3).filter(|&i| number[i] != FIXED) {
-        let row = 2 * number[i] as usize;
-        rhs[(row, 0)] -= block.gradient[i].x;
-        rhs[(row + 1, 0)] -= block.gradient[i].y;
-        for j in (0..3).filter(|&j| number[j] == FIXED) {
-            let pull = block.hessian[i][j] * way[j];
-            rhs[(row, 0)] -= pull.x;
-            rhs[(row + 1, 0)] -= pull.y;
-        }
-        for j in (0..3).filter(|&j| number[j] != FIXED && number[j] <= number[i]) {
-            let col = 2 * number[j] as usize;
-            let h = block.hessian[i][j];
-            entries.push(Triplet { row, col, val: h.x_axis.x });
-            entries.push(Triplet { row: row + 1, col, val: h.x_axis.y });
-            entries.push(Triplet { row: row + 1, col: col + 1, val: h.y_axis.y });
-            if i != j {
-                entries.push(Triplet { row, col: col + 1, val: h.y_axis.x });
+        let row = &mut rhs[number[i] as usize];
+        *row -= block.gradient[i];
+        for j in 0..3 {
+            if number[j] == FIXED {
+                *row -= block.hessian[i][j] * way[j];
+            } else if number[j] <= number[i] {
+                system.add(number[i], number[j], block.hessian[i][j]);
             }
         }
     }

@@ -1,5 +1,6 @@
-//! Solvers: colouring, the energy of mapped triangles, least-squares meshes, matchings, queues, warps.
+//! Solvers: systems of blocks, colouring, the energy of mapped triangles, least-squares meshes, matchings, queues, warps.
 
+pub mod blocks;
 pub mod coloring;
 pub mod dirichlet;
 pub mod least_squares_mesh;

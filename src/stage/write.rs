@@ -47,7 +47,8 @@ pub fn write(product: &Product, dir: &Path, seconds: impl FnOnce() -> BTreeMap<&
         folder.write("preview.png", |out| out.write_all(&pictures.preview))?;
     }
     let report = report(product, measured, seconds);
-    if let Some(page) = pictures.and_then(|(shown, pictures)| pictures.page(product, &shown, &report)) {
+    if let Some((shown, pictures)) = pictures {
+        let page = pictures.page(product, &shown, &report);
         folder.write("report.html", |out| out.write_all(page.as_bytes()))?;
     }
     folder.write(REPORT_FILE, |out| Ok(serde_json::to_writer_pretty(out, &report)?))?;

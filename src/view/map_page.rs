@@ -20,8 +20,8 @@ const STAGES: [&str; 11] =
 pub struct MapPictures {
     /// `preview.png`.
     pub preview: Vec<u8>,
-    /// The page's scene, if a page is wanted.
-    scene: Option<String>,
+    /// The page's scene.
+    scene: String,
     /// True if the scene shows stand-ins.
     reduced: bool,
 }
@@ -30,25 +30,27 @@ impl MapPictures {
     /// Draws the preview and prepares the page; `flips` are the turned-over triangles of the meshes as they came.
     pub fn new(product: &Product, shown: &Shown, flips: [&[FaceId]; 2]) -> Self {
         let view = MapView::new(product);
-        let scene = || shown.command.map(|_| view.scene(product, shown, flips)).map(|(s, reduced)| (s.data(), reduced));
-        let (preview, scene) = rayon::join(|| png(&preview(&view, product, shown)).unwrap_or_default(), scene);
-        let reduced = scene.as_ref().is_some_and(|(_, reduced)| *reduced);
-        MapPictures { preview, scene: scene.map(|(data, _)| data), reduced }
+        let scene = || {
+            let (scene, reduced) = view.scene(product, shown, flips);
+            (scene.data(), reduced)
+        };
+        let preview = || png(&preview(&view, product, shown)).unwrap_or_default();
+        let (preview, (scene, reduced)) = rayon::join(preview, scene);
+        MapPictures { preview, scene, reduced }
     }
 
-    /// `report.html`, if it is wanted. Apart from times, memory and the command the same map gives the same bytes.
-    pub fn page(&self, product: &Product, shown: &Shown, report: &Report) -> Option<String> {
-        let scene = self.scene.as_deref()?;
+    /// `report.html`. Apart from times, memory and the command the same map gives the same bytes.
+    pub fn page(&self, product: &Product, shown: &Shown, report: &Report) -> String {
         let [source, target] = [&report.source, &report.target].map(|m| file_name(Path::new(&m.file)));
         let verdict = if report.certificate.bijective { "Certified bijective" } else { "No certificate" };
         let page = Page {
             title: format!("{source} \u{2192} {target}"),
             verdict: (verdict.to_owned(), report.certificate.bijective),
-            scene,
+            scene: &self.scene,
             note: self.note(product),
             cards: map_cards(report, shown),
         };
-        Some(page.html())
+        page.html()
     }
 
     fn note(&self, product: &Product) -> Option<String> {
@@ -77,7 +79,7 @@ fn map_cards(report: &Report, shown: &Shown) -> Vec<Card> {
         Some(cards::seconds(&report.seconds, &STAGES)),
         Some(Card::new("Meshes and layout", meshes(report))),
         cards::figures("Geometry images", about, &images),
-        shown.command.and_then(cards::command),
+        cards::command(shown.command),
     ];
     cards.into_iter().flatten().collect()
 }

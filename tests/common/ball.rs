@@ -60,7 +60,7 @@ impl BallMap {
     }
 
     /// Writes the map's folder; `seconds` is what all of it took, `command` none for no page.
-    pub fn write(&self, dir: &Path, seconds: f64, command: Option<&str>) {
+    pub fn write(&self, dir: &Path, seconds: f64, command: &str) {
         let side = |k: usize| Side {
             file: &self.files[k],
             mesh: &self.meshes[k],

@@ -1,20 +1,21 @@
-//! What cannot walk is warped: a base mesh over the features is warped in their stead, and the disc follows patch by patch
-//! (WARP 4.2 and 4.3).
+//! A base mesh over the features' next places, whose edges are paths on the disc: with the paths straight the disc follows,
+//! patch by patch (WARP 4.2 and 4.3).
 //!
 //! ```text
-//! features and ring --Delaunay--> base mesh --network.rs--> paths on the disc and its scaffold
-//! base mesh --plane::warp--> the same with all features at their places, and the edges swapped on the way
-//! every swap --network.rs--> a path exchanged
+//! next places and ring --Delaunay--> base mesh
+//! its edges --network.rs--> paths on the disc and its scaffold, wherever the features are
 //! base triangles --embed_patch--> the disc within straight sides
 //! ```
 //!
-//! Invariant: base triangles are exactly counter-clockwise at the end, and each holds a convex embedding of the faces
-//! between its paths, so nothing folds; rounding is checked exactly. The paper moves the faces along at every swap; where
-//! features pass close by each other that goes through patches without area, which only the end's patches avoid.
+//! The paper lays paths where the features are and exchanges one at every swap of a warp (`plane::warp`); where features go
+//! far the paths then wind around each other without end. Here they are laid for where the features go at once.
+//!
+//! Invariant: base triangles are exactly counter-clockwise, and each holds a convex embedding of the faces between its paths,
+//! so nothing folds; rounding is checked exactly.
 
 use super::network::{Network, lifted, too_fine};
 use super::refined::Refined;
-use super::sheet::{Framed, SIDE};
+use super::sheet::{Framed, SIDE, Sheet};
 use crate::error::{Error, Result};
 use crate::mesh::{FaceId, Id, TriMesh, VertexId};
 use crate::path::cut_mesh::CutMesh;
@@ -23,52 +24,69 @@ use crate::plane::divide::split_dividing_edges;
 use crate::plane::orientation::orientation;
 use crate::plane::patch_disc::{PatchDisc, arc_shares, patch_discs};
 use crate::plane::stretch::Frame;
-use crate::plane::warp::{Triangulation, Walker, WarpOptions, warp};
+use crate::plane::warp::Triangulation;
 use glam::DVec2;
 use rayon::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation as _};
 
-/// A base triangle less high than this share of the image's side is no place to stop: what it holds is crowded.
-const ROOM: f64 = 2e-3;
 /// Times that all paths are laid anew at most.
 const RELAYS: usize = 4;
 
-/// Brings all features to their places, or so far that `most` edges of the base mesh are swapped; the disc gets the
-/// vertices that paths need. Returns the number of swaps as well.
+/// The disc and its scaffold, in which paths are laid.
+struct Ground {
+    mesh: TriMesh,
+    /// The vertices that are the base mesh's points: the features, then some of the border.
+    points: Vec<VertexId>,
+    /// The border, from the first of those on.
+    rim: Vec<VertexId>,
+}
+
+impl Ground {
+    fn of(sheet: &Sheet) -> Result<Self> {
+        let even = vec![1.0; sheet.triangles.len()];
+        let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
+        let Framed { domain, .. } = framed;
+        let mesh = lifted(&domain.positions, &domain.triangles)?;
+        let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
+        // Half of the border's points are enough for its hull, and fewer points make fewer paths.
+        let corners = rim.iter().copied().step_by(SIDE / 2);
+        let points = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
+        Ok(Ground { mesh, points, rim })
+    }
+
+    /// Where the base mesh's points are.
+    fn places(&self) -> Vec<DVec2> {
+        self.points.iter().map(|&v| self.mesh.positions[v].truncate()).collect()
+    }
+}
+
+/// Brings the features to places, one for each, by a base mesh over these whose paths lie on the disc as they can; the disc
+/// gets the vertices that paths need.
 ///
 /// # Errors
-/// Unsolvable if double precision cannot hold the patches.
-pub fn warp_sheet(refined: &Refined, most: usize) -> Result<(Refined, usize)> {
-    let sheet = &refined.sheet;
-    let even = vec![1.0; sheet.triangles.len()];
-    let framed = sheet.framed(&even).ok_or_else(|| Error::bug("the boundary of the disc has met itself"))?;
-    let Framed { domain, .. } = framed;
-    let mesh = lifted(&domain.positions, &domain.triangles)?;
-    let rim: Vec<VertexId> = (0..sheet.ring.len()).map(|i| VertexId::new(sheet.uv.len() + i)).collect();
-    // Half of the border's points are enough for its hull, and fewer points make fewer paths.
-    let corners = rim.iter().copied().step_by(SIDE / 2);
-    let points: Vec<VertexId> = sheet.features.iter().map(|f| VertexId(f.vertex)).chain(corners).collect();
-    let mut base = guiding(&points.iter().map(|v| domain.positions[v.index()]).collect::<Vec<_>>())?;
-    let mut network = Network::lay(&mesh, &base, &points, &rim)?;
-    let mut warped = base.clone();
-    relay(&mut network, &base)?;
-    let walkers: Vec<Walker> = (0u32..).zip(&sheet.features).map(|(point, f)| Walker { point, to: f.place }).collect();
-    let swaps = warp(&mut warped, &walkers, &WarpOptions { swaps: most, room: ROOM, ..WarpOptions::default() })
-        .map_err(|(point, why)| Error::bug(format!("a feature cannot be moved: {why:?}")).at(point))?;
-    for swap in &swaps {
-        base.repeat(swap).then_some(()).ok_or_else(|| Error::bug("a swap cannot be repeated"))?;
-        network.swap(&base, swap)?;
-    }
-    relay(&mut network, &base)?;
-    let (cut, uv) = straightened(network, &mesh, &warped)?;
-    let mut refined = refined.divided(&cut, &mesh, &uv);
-    for (i, f) in (0u32..).zip(&sheet.features) {
-        refined.sheet.uv[f.vertex as usize] = warped.point(i);
-    }
+/// Unsolvable if double precision cannot hold the patches, or if paths need more than `most` times as many vertices as
+/// there are.
+pub fn place_by_paths(refined: &Refined, to: &[DVec2], most: usize) -> Result<Refined> {
+    let ground = Ground::of(&refined.sheet)?;
+    let mut places = ground.places();
+    places[..to.len()].copy_from_slice(to);
+    let base = guiding(&places)?;
+    let most = most.saturating_mul(ground.mesh.positions.len());
+    let network = Network::grow(&ground.mesh, &base, &ground.points, &ground.rim, most)?;
+    let network = relaid(network, &base)?;
+    placed(refined, network, &ground.mesh, &base)
+}
+
+/// The disc with the vertices that paths need, these straight between the base mesh's points.
+fn placed(refined: &Refined, network: Network, mesh: &TriMesh, base: &Triangulation) -> Result<Refined> {
+    let (cut, uv) = straightened(network, mesh, base)?;
+    let mut refined = refined.divided(&cut, mesh, &uv);
+    let Sheet { features, uv, .. } = &mut refined.sheet;
+    (0u32..).zip(features).for_each(|(i, f)| uv[f.vertex as usize] = base.point(i));
     if refined.sheet.folded() > 0 {
         return Err(too_fine());
     }
-    Ok((refined, swaps.len()))
+    Ok(refined)
 }
 
 /// The cut mesh and a place for every vertex: paths straight between the base mesh's points, the faces between them
@@ -96,15 +114,16 @@ fn straightened(network: Network, mesh: &TriMesh, base: &Triangulation) -> Resul
 }
 
 /// Lays all paths anew as long as that takes out vertices.
-fn relay(network: &mut Network, base: &Triangulation) -> Result<()> {
+fn relaid<'a>(mut network: Network<'a>, base: &Triangulation) -> Result<Network<'a>> {
     for _ in 0..RELAYS {
-        let before = network.added();
-        network.relay(base)?;
-        if network.added() >= before {
+        let mut next = network.clone();
+        next.relay(base)?;
+        if next.added() >= network.added() {
             break;
         }
+        network = next;
     }
-    Ok(())
+    Ok(network)
 }
 
 /// The Delaunay triangulation of the features, where they are, and the ring.

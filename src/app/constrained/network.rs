@@ -1,28 +1,29 @@
-//! The base mesh's edges as paths on the disc and its scaffold: laid along straight lines, laid anew, swapped.
+//! The base mesh's edges as paths on the disc and its scaffold: laid one after the other, then laid anew.
 //!
 //! Paths never meet but at their ends, and leave them in the cyclic order that the base mesh has: so they cut the mesh
-//! into discs with three corners, one for every base triangle. The first paths are straight, which splits every edge they
-//! cross, but leaves no doubt on which side of what they pass. From then on a path is the cheapest one between the right
-//! sectors of its ends in the two discs beside it (WARP 4.2), for which hardly any edge need be split.
+//! into discs with three corners, one for every base triangle. A path is the cheapest one between the right sectors of its
+//! ends (WARP 4.2); in which order they are laid decides how they wind: `grow.rs`.
 
-use super::route::{Route, Stop, route};
-use super::ruler::{Ahead, straight_on};
+mod grow;
+
+use super::route::{Found, Route, Stop, Tolls, route};
 use super::subdivided::{Steiner, Subdivided};
 use crate::error::{Error, Result};
 use crate::mesh::{ArcId, FaceId, HalfedgeId, Id, IdVec, LandmarkId, PatchId, TriMesh, VertexId, face_of};
 use crate::path::base_complex::{BaseComplex, DirectedArc};
 use crate::path::cut_mesh::CutMesh;
-use crate::plane::warp::{Swap, Triangulation};
+use crate::plane::warp::Triangulation;
 use glam::DVec2;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A vertex more on a path counts as much as so many mean distances of vertices.
-const HOP: f64 = 2.0;
+/// What the paths of the tree pay, `hop` in mean distances of vertices: hardly more than their length. If they kept away from
+/// vertices that others take, or from where the mesh is fine, they would come to lie on the wrong side of points, and
+/// others would wind around them for it.
+const STRAIGHT: Tolls = Tolls { hop: 0.1, crowded: 1.0, split: 0.5 };
+/// What other paths pay: which side of what they pass is decided, so they had better spare vertices and leave room.
+const SPARING: Tolls = Tolls { hop: 2.0, crowded: 3.0, split: 4.0 };
 /// So many added vertices that no path passes are taken out together, which costs as much as taking out one.
 const IDLE: usize = 24;
-
-/// Paths that need so many times the given vertices wind around each other, and will not stop to.
-const MOST: usize = 8;
 
 /// The error of a disc whose triangles can no longer be told apart.
 pub fn too_fine() -> Error {
@@ -31,12 +32,14 @@ pub fn too_fine() -> Error {
 }
 
 /// Paths along the edges of a base mesh.
+#[derive(Clone)]
 pub struct Network<'a> {
     /// The disc and its scaffold; positions in space are those in the plane that the paths are measured in.
     mesh: &'a TriMesh,
     /// Its triangles.
     faces: Vec<[u32; 3]>,
-    hop: f64,
+    /// The mean distance of its vertices.
+    spacing: f64,
     /// The same with the paths on it as arcs.
     pub cut: CutMesh,
     /// The arc along an edge of the base mesh, by its ends, the lower first.
@@ -49,15 +52,17 @@ fn key(a: u32, b: u32) -> [u32; 2] {
     [a.min(b), a.max(b)]
 }
 
+fn edges_of(base: &Triangulation) -> BTreeSet<[u32; 2]> {
+    base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect()
+}
+
 impl<'a> Network<'a> {
-    /// Lays a path along every edge of the base mesh, whose point `i` is vertex `points[i]` of `mesh`.
-    ///
-    /// `rim` is the mesh's boundary in order, from the first of those points on that lie on it; they come last.
-    pub fn lay(mesh: &'a TriMesh, base: &Triangulation, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
+    /// A network of the rim alone.
+    fn framed(mesh: &'a TriMesh, points: &[VertexId], rim: &[VertexId]) -> Result<Self> {
         let cut = CutMesh::new(mesh, points, 0);
         let faces = mesh.faces().iter().map(|t| t.map(|v| v.0)).collect();
-        let hop = HOP * (mesh.area() / mesh.positions.len() as f64).sqrt();
-        let mut network = Network { mesh, faces, hop, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
+        let spacing = (mesh.area() / mesh.positions.len() as f64).sqrt();
+        let mut network = Network { mesh, faces, spacing, cut, arcs: BTreeMap::new(), ends: IdVec::default() };
         let at = |v: &VertexId| points.iter().position(|p| p == v);
         let corners: Vec<usize> = (0..rim.len()).filter(|&i| at(&rim[i]).is_some()).collect();
         let first = points.len() - corners.len();
@@ -66,43 +71,7 @@ impl<'a> Network<'a> {
             let along: Vec<VertexId> = (i..=end).map(|j| rim[j % rim.len()]).collect();
             network.mark([first + k, first + (k + 1) % corners.len()].map(|p| p as u32), &along)?;
         }
-        let edges: BTreeSet<[u32; 2]> =
-            base.triangles().flat_map(|[a, b, c]| [key(a, b), key(b, c), key(c, a)]).collect();
-        for [a, b] in edges {
-            if !network.arcs.contains_key(&[a, b]) {
-                network.rule(a, b)?;
-            }
-        }
         Ok(network)
-    }
-
-    /// Lays the path from `a` to `b` along the straight line, through the middle of everything it meets.
-    fn rule(&mut self, a: u32, b: u32) -> Result<()> {
-        let [from, goal] = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
-        let mut vertices = vec![from];
-        loop {
-            let v = vertices[vertices.len() - 1];
-            if v == goal {
-                return self.mark([a, b], &vertices);
-            }
-            let ahead = straight_on(&self.cut, v, goal);
-            let next = match ahead.ok_or_else(too_fine)? {
-                Ahead::Vertex(w) => w,
-                Ahead::Edge(h, t) => self.cut.split_edge(self.mesh, h, t),
-            };
-            vertices.push(next);
-        }
-    }
-
-    /// Exchanges the path along a swapped edge for one along the new edge; `base` is the mesh after the swap.
-    pub fn swap(&mut self, base: &Triangulation, swap: &Swap) -> Result<()> {
-        let [a, b] = swap.old;
-        let arc = self.arcs.remove(&key(a, b)).ok_or_else(|| Error::bug("a swapped edge has no path"))?;
-        self.cut.unmark(arc, self.ends[arc][0]);
-        let [c, d] = swap.new;
-        self.connect(base, c, d)?;
-        self.tidy_if(IDLE)?;
-        if self.added() > MOST * self.mesh.positions.len() { Err(too_fine()) } else { Ok(()) }
     }
 
     /// Lays every path anew between its neighbours, so that it takes the room that they have left since.
@@ -187,13 +156,23 @@ impl<'a> Network<'a> {
 
     /// Lays the path from `a` to `b` into the sectors in which the base mesh has the edge.
     fn connect(&mut self, base: &Triangulation, a: u32, b: u32) -> Result<()> {
+        let found = self.find(base, [a, b], &SPARING)?;
+        self.follow([a, b], &found)
+    }
+
+    /// Finds the cheapest path between two points that leaves and arrives in the sectors in which the base mesh has it.
+    fn find(&self, base: &Triangulation, [a, b]: [u32; 2], tolls: &Tolls) -> Result<Found> {
         let sectors = [self.sector(base, a, b), self.sector(base, b, a)];
-        let vertex = |i: u32| self.cut.landmarks[LandmarkId(i)];
-        let ends = [vertex(a), vertex(b)];
-        let found = route(&self.cut, &Route { ends, sectors, hop: self.hop });
-        let stops = found.ok_or_else(too_fine)?;
+        let ends = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
+        let tolls = Tolls { hop: tolls.hop * self.spacing, ..*tolls };
+        route(&self.cut, &Route { ends, sectors, tolls }).ok_or_else(too_fine)
+    }
+
+    /// Lays a path where it was found.
+    fn follow(&mut self, [a, b]: [u32; 2], found: &Found) -> Result<()> {
+        let ends = [a, b].map(|i| self.cut.landmarks[LandmarkId(i)]);
         let mut vertices = vec![ends[0]];
-        for stop in stops {
+        for &stop in &found.stops {
             vertices.push(match stop {
                 Stop::Vertex(v) => v,
                 Stop::Middle([p, q]) => {

@@ -122,9 +122,10 @@ pub fn page(scene: &(String, bool), report: &TextureReport, command: &str) -> St
 
 fn facts(report: &TextureReport) -> String {
     let [before, after] = report.constrain.steiner;
-    let how = match report.constrain.warps {
+    let how = match report.constrain.carried {
         0 => "All walked to their places.".to_owned(),
-        n => format!("{n} warps, {} path swaps", report.constrain.swaps),
+        1 => "Some were carried to their places.".to_owned(),
+        n => format!("Some were carried to their places, in {n} turns."),
     };
     cards::facts(&[
         ("Constraints", report.constraints.to_string()),

@@ -1,5 +1,6 @@
 //! A laid out disc with vertices added inside its faces and on its edges.
 
+use super::fair::Fair;
 use super::sheet::Sheet;
 use super::subdivided::{Pull, Steiner, Subdivided};
 use crate::mesh::{FaceId, Id, TriMesh, VertexId};
@@ -90,8 +91,10 @@ impl Refined {
         self.given
     }
 
-    /// Takes out the Steiner vertices that the others can do without.
-    pub fn take_out(&mut self) {
+    /// Takes out the Steiner vertices that the others can do without; `most` is the mean squared stretch that is no
+    /// reason to keep one, 1 for an isometry.
+    pub fn take_out(&mut self, most: f64) {
+        let fair = Fair::new(&self.sheet, self.real_faces, most);
         let Refined { sheet, part_of, steiner, given, faces, .. } = self;
         let mut is_rim = vec![false; sheet.uv.len()];
         sheet.boundary.iter().for_each(|&v| is_rim[v as usize] = true);
@@ -100,7 +103,7 @@ impl Refined {
         let mut left: Vec<u32> = (*given as u32..sheet.uv.len() as u32).collect();
         loop {
             let count = left.len();
-            left.retain(|&s| !take_out_one(sheet, &is_rim, &mut sub, s));
+            left.retain(|&s| !take_out_one(sheet, &fair, &is_rim, &mut sub, s));
             if left.len() == count {
                 break;
             }
@@ -139,12 +142,12 @@ fn boundary_holds(sheet: &Sheet, is_rim: &[bool], sub: &Subdivided, pull: &Pull)
     !others.into_iter().any(|v| !sub.fan(v).is_empty() && lies_in(sheet.uv[v as usize]))
 }
 
-/// Takes one Steiner vertex out if some way to do so folds nothing.
-fn take_out_one(sheet: &mut Sheet, is_rim: &[bool], sub: &mut Subdivided, s: u32) -> bool {
+/// Takes one Steiner vertex out if some way to do so folds nothing and is fair.
+fn take_out_one(sheet: &mut Sheet, fair: &Fair, is_rim: &[bool], sub: &mut Subdivided, s: u32) -> bool {
     let placed = |pull: Pull| {
         let holds = boundary_holds(sheet, is_rim, sub, &pull);
         let place = holds.then(|| place_for(sheet, is_rim, sub, &pull)).flatten()?;
-        Some((pull, place))
+        fair.allows(sheet, sub, &pull, place).then_some((pull, place))
     };
     let found = sub.pulls(s).find_map(placed);
     let Some((pull, place)) = found else { return false };

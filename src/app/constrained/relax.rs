@@ -11,6 +11,7 @@ use crate::kernel::sweep::Sight;
 use crate::kernel::sweep_batch::{Piece, sweep_all};
 use crate::mesh::metric;
 use crate::plane::domain::Domain;
+use crate::plane::exact_sweep::sweep_exactly;
 use crate::plane::newton::{drag, newton};
 use crate::plane::smooth::Smoother;
 use glam::DVec2;
@@ -29,6 +30,9 @@ pub struct Relaxation<'a> {
     pub weight: &'a [f64],
     /// Rounds at most; the scaffold is made anew for each.
     pub rounds: usize,
+    /// Whether vertices of distorted triangles move by themselves first, in full precision: where triangles are crushed so
+    /// far that the worst of them cuts back a step of all.
+    pub crushed: bool,
 }
 
 /// Moves all vertices but the features so that triangles look more as they do in space; none ever folds.
@@ -37,6 +41,10 @@ pub fn relax(sheet: &mut Sheet, compute: &Compute, how: &Relaxation) -> Result<(
     for _ in 0..how.rounds {
         let Some(Framed { mut domain, shapes, weights }) = sheet.framed(how.weight) else { break };
         let mut smoother = Smoother::shaped(&mut domain, &shapes, &weights);
+        if how.crushed {
+            sweep_exactly(&mut smoother);
+            smoother.look();
+        }
         let stepped = (0..STEPS).filter(|_| newton(&mut smoother)).count();
         sweep(&mut smoother, compute)?;
         smoother.look();

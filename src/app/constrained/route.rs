@@ -9,10 +9,16 @@ use crate::solve::nearest::Nearest;
 use glam::DVec3;
 use std::collections::{BTreeMap, BinaryHeap};
 
-/// A way beside a taken vertex counts as this many times its length.
-const CROWDED: f64 = 3.0;
-/// A split edge counts as a detour of this many times its length.
-const SPLIT: f64 = 4.0;
+/// What a path pays besides its length.
+#[derive(Clone, Copy, Debug)]
+pub struct Tolls {
+    /// For every place on it, in units of length: a path over few vertices leaves more to others.
+    pub hop: f64,
+    /// A way beside a taken vertex counts as this many times its length.
+    pub crowded: f64,
+    /// A split edge counts as a detour of this many times its length.
+    pub split: f64,
+}
 
 /// What is asked for.
 pub struct Route {
@@ -21,8 +27,8 @@ pub struct Route {
     /// The half-edges that leave each end into the faces in which the path may leave or arrive; along the first one, and
     /// one behind the last, other paths run.
     pub sectors: [Vec<HalfedgeId>; 2],
-    /// What a place costs besides the way to it, in units of length: a path over few vertices leaves more to others.
-    pub hop: f64,
+    /// What it pays.
+    pub tolls: Tolls,
 }
 
 /// A place between the ends.
@@ -34,24 +40,34 @@ pub enum Stop {
     Middle([VertexId; 2]),
 }
 
+/// A way that was found.
+pub struct Found {
+    /// The places between the ends, in order.
+    pub stops: Vec<Stop>,
+    /// What it costs, in units of length: no less than the distance of the ends.
+    pub cost: f64,
+}
+
 struct Search<'a> {
     cut: &'a CutMesh,
     route: &'a Route,
+    /// Places by what the way over them costs at least.
     queue: BinaryHeap<Nearest<Stop>>,
     /// The cost of every place reached, and from where; none from the start.
     reached: BTreeMap<Stop, (f64, Option<Stop>)>,
 }
 
-/// Finds the places between the ends, in order; none if there is no way.
-pub fn route(cut: &CutMesh, route: &Route) -> Option<Vec<Stop>> {
+/// Finds the cheapest way (A*); none if there is none.
+pub fn route(cut: &CutMesh, route: &Route) -> Option<Found> {
     let goal = Stop::Vertex(route.ends[1]);
     let mut search = Search { cut, route, queue: BinaryHeap::new(), reached: BTreeMap::new() };
     search.leave();
-    while let Some(Nearest(cost, at)) = search.queue.pop() {
+    while let Some(Nearest(least, at)) = search.queue.pop() {
+        let cost = search.reached[&at].0;
         if at == goal {
-            return Some(search.trail(at));
+            return Some(Found { stops: search.trail(at), cost });
         }
-        if search.reached.get(&at).is_some_and(|r| r.0 < cost) {
+        if cost + search.ahead(at) < least {
             continue;
         }
         match at {
@@ -115,29 +131,28 @@ impl Search<'_> {
             return;
         }
         let start = from.map_or(self.cut.positions[self.route.ends[0]], |s| self.position(s));
-        let way = start.distance(self.position(to)) + self.route.hop;
+        let Tolls { hop, crowded, split } = self.route.tolls;
+        let way = start.distance(self.position(to)) + hop;
         let toll = match to {
-            Stop::Vertex(v) if v == self.route.ends[1] => 1.0,
-            Stop::Vertex(v) => {
-                if self.is_crowded(v) {
-                    CROWDED
-                } else {
-                    1.0
-                }
-            }
+            Stop::Vertex(v) if v == self.route.ends[1] => way,
+            Stop::Vertex(v) => way * if self.is_crowded(v) { crowded } else { 1.0 },
             Stop::Middle([p, q]) => {
-                let whole = self.cut.positions[p].distance(self.cut.positions[q]) + self.route.hop;
-                return self.note(from, cost + way * CROWDED + whole * SPLIT, to);
+                way * crowded + (self.cut.positions[p].distance(self.cut.positions[q]) + hop) * split
             }
         };
-        self.note(from, cost + way * toll, to);
+        self.note(from, cost + toll, to);
     }
 
     fn note(&mut self, from: Option<Stop>, cost: f64, to: Stop) {
         if self.reached.get(&to).is_none_or(|r| cost < r.0) {
             self.reached.insert(to, (cost, from));
-            self.queue.push(Nearest(cost, to));
+            self.queue.push(Nearest(cost + self.ahead(to), to));
         }
+    }
+
+    /// The way ahead costs at least so much.
+    fn ahead(&self, at: Stop) -> f64 {
+        self.position(at).distance(self.cut.positions[self.route.ends[1]])
     }
 
     /// True if half-edge `at`, which leaves the goal, lies in its sector: from the middle of an edge with its face, from a

@@ -129,6 +129,11 @@ impl Sheet {
         Some(Framed { domain, shapes, weights })
     }
 
+    /// Area in the plane per area in space.
+    pub fn unit(&self) -> f64 {
+        self.scale(&vec![1.0; self.real]).powi(2)
+    }
+
     /// How large the unit of space is in the plane, by areas.
     fn scale(&self, weight: &[f64]) -> f64 {
         let (mut plane, mut space) = (0.0, 0.0);

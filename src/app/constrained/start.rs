@@ -35,7 +35,7 @@ pub fn start(sheet: &mut Sheet, compute: &Compute) -> Result<()> {
     let border = std::mem::replace(&mut sheet.ring, free.collect());
     let features = std::mem::take(&mut sheet.features);
     let even = vec![1.0; sheet.triangles.len()];
-    relax(sheet, compute, &Relaxation { weight: &even, rounds: ROUNDS })?;
+    relax(sheet, compute, &Relaxation { weight: &even, rounds: ROUNDS, crushed: false })?;
     sheet.features = features;
     sheet.ring = border;
     align(sheet);

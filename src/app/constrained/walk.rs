@@ -27,8 +27,9 @@ const CLEARANCE: f64 = 0.6;
 const SWERVE: f64 = 0.15;
 /// So often features creep at most.
 const CREEPS: usize = 30;
-/// Creeping ends once this often in a row all features together got no nearer by this share.
-const IDLE: (usize, f64) = (3, 0.03);
+/// Creeping ends once all features together got no nearer by this share: those that are left wait for others to make room
+/// that cannot, and had better be carried. With less they crush what lies between them.
+const IDLE: f64 = 0.1;
 
 /// Walks as far as it goes; true if all features are at their places, exactly.
 pub fn walk(sheet: &mut Sheet, compute: &Compute) -> Result<bool> {
@@ -52,16 +53,13 @@ pub fn walk(sheet: &mut Sheet, compute: &Compute) -> Result<bool> {
 fn creep_on(sheet: &mut Sheet, compute: &Compute, even: &[f64]) -> Result<bool> {
     let left =
         |sheet: &Sheet| -> f64 { sheet.features.iter().map(|f| sheet.uv[f.vertex as usize].distance(f.place)).sum() };
-    let (mut idle, mut least) = (0, left(sheet));
     for _ in 0..CREEPS {
-        if sheet.is_met() || idle > IDLE.0 {
+        let before = left(sheet);
+        creep(sheet)?;
+        relax(sheet, compute, &Relaxation { weight: even, rounds: 1, crushed: false })?;
+        if sheet.is_met() || left(sheet) > before * (1.0 - IDLE) {
             break;
         }
-        creep(sheet)?;
-        relax(sheet, compute, &Relaxation { weight: even, rounds: 1 })?;
-        let now = left(sheet);
-        idle = if now < least * (1.0 - IDLE.1) { 0 } else { idle + 1 };
-        least = least.min(now);
     }
     Ok(sheet.is_met())
 }
