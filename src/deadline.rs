@@ -1,7 +1,7 @@
 //! The deadline of the job at hand: long loops ask now and then whether there is time left.
 //!
 //! Threads cannot be stopped from outside, so a job that takes too long ends itself. The deadline belongs to the thread
-//! that runs a stage; loops that ask are those on it, from a tenth of a second to a few seconds a turn.
+//! that runs a stage. It is asked before every stage, and by the loops that take longest, those of the relaxation.
 
 use crate::error::{Error, Result};
 use std::cell::Cell;

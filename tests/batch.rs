@@ -180,6 +180,15 @@ fn what_is_done_is_skipped_until_inputs_or_options_change() {
     let rows = night.rows("out/results.jsonl");
     assert!(rows[0]["status"] == "skipped" && rows[0]["distortion"]["forward"]["e_l2"].as_f64() > Some(0.9));
     assert_eq!(night.results("out"), before);
+    let files = |name: &str| name.ends_with(".obj") || name == "landmarks.csv";
+    fs::create_dir(night.0.join("moved")).expect("writable");
+    for name in night.names(".").into_iter().filter(|name| files(name)) {
+        fs::copy(night.0.join(&name), night.0.join("moved").join(&name)).expect("writable");
+    }
+    let manifest = fs::read_to_string(night.0.join("manifest.csv")).expect("there");
+    night.add("manifest.csv", &manifest.replace(",template", ",moved/template").replace(",scan", ",moved/scan"));
+    assert_eq!(night.run("out", &[]).counts(), [0, 4, 1, 0], "the same bytes in another place");
+    night.add("manifest.csv", &manifest);
     night.ball("scan_2.obj", 5, 1.5);
     night.ball("nowhere.obj", 5, 1.1);
     assert_eq!(night.run("out", &[]).counts(), [2, 3, 0, 0], "one has changed, one is there now");

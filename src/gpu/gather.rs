@@ -30,8 +30,8 @@ impl<T> Default for Gather<T> {
 impl<T> Gather<T> {
     /// Runs `work` on `item`, with or without items of other callers, and returns it as `work` left it.
     ///
-    /// `joins` says whether an item may go with those before it; the first one always goes. If `work` fails, it fails for
-    /// all that went together. Every caller must bring the same `work` and `joins`.
+    /// `joins` says whether an item may go with those before it; the first one always goes. If `work` fails on several
+    /// items, which it may have changed by then, it is run again on each alone. Every caller must bring the same `work` and `joins`.
     pub fn run(
         &self,
         item: T,
@@ -88,9 +88,17 @@ impl<T> Turn<'_, T> {
     fn serve(mut self, mut batch: Vec<(usize, T)>, work: &impl Fn(&mut [(usize, T)]) -> Result<()>) {
         self.tickets = batch.iter().map(|(ticket, _)| *ticket).collect();
         let outcome = work(&mut batch);
+        // A failure may be another's: everybody gets their own.
+        let is_shared = outcome.is_err() && batch.len() > 1;
+        let one = |(ticket, item): (usize, T)| {
+            let mut alone = [(ticket, item)];
+            let outcome = if is_shared { work(&mut alone) } else { outcome.clone() };
+            let [(_, item)] = alone;
+            (ticket, outcome.map(|()| item))
+        };
+        let done: Vec<(usize, Result<T>)> = batch.into_iter().map(one).collect();
         self.tickets.clear();
-        let one = |(ticket, item)| (ticket, outcome.clone().map(|()| item));
-        self.gather.lock().done.extend(batch.into_iter().map(one));
+        self.gather.lock().done.extend(done);
     }
 }
 
@@ -141,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_is_everybodys_who_went_with_it_and_the_device_is_free_again() {
+    fn after_a_failure_or_a_panic_the_device_is_free_again() {
         let gather = Gather::default();
         let all = |_: &[(usize, i32)], _: &i32| true;
         let fails = |_: &mut [(usize, i32)]| Err(Error::device("lost"));

@@ -8,6 +8,9 @@ use budget::Budget;
 use cores::Cores;
 use std::time::Duration;
 
+/// What the process needs without jobs: the program, its threads, what allocators keep.
+const OWN_BYTES: u64 = 48 << 20;
+
 /// How jobs flow through a line of stages.
 pub struct Flow<'a> {
     pub(super) observer: &'a dyn Observer,
@@ -23,8 +26,8 @@ impl<'a> Flow<'a> {
         Flow { observer, cores, budget: Budget::new(u64::MAX), timeout: None }
     }
 
-    /// The same within so much time for each job and so many bytes for all that are in flight.
+    /// The same within so much time for each job, and so many bytes for the whole process.
     pub fn bounded(self, timeout: Option<Duration>, memory: u64) -> Self {
-        Flow { budget: Budget::new(memory), timeout, ..self }
+        Flow { budget: Budget::new(memory.saturating_sub(OWN_BYTES)), timeout, ..self }
     }
 }

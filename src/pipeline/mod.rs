@@ -14,6 +14,7 @@ pub mod batch;
 mod flow;
 mod footprint;
 mod images;
+mod inputs;
 mod job;
 mod lay_out;
 mod line;

@@ -71,8 +71,8 @@ pub struct Mapped {
 
 pub fn load((job, seal): (MapJob, Option<NamedFile>), templates: &Templates, step: &Step) -> Result<(Outputs, Loaded)> {
     let MapJob { source, target, landmarks, target_landmarks, hint, texture, out } = job;
-    let files = LoadOptions { source, target, landmarks, target_landmarks, hint };
-    let loaded = stage::load::load_with(files, |path| templates.read(path))?;
+    let known = templates.read(&source);
+    let loaded = stage::load::load_with(LoadOptions { source, target, landmarks, target_landmarks, hint }, known)?;
     texture.as_deref().map_or(Ok(()), |texture| check_texture(texture, &loaded.source))?;
     let vertices = [&loaded.source, &loaded.target].map(|file| file.positions.len());
     let landmarks = loaded.landmarks.as_ref().map_or(0, |l| l.names.len());
@@ -81,7 +81,8 @@ pub fn load((job, seal): (MapJob, Option<NamedFile>), templates: &Templates, ste
 }
 
 pub fn check((outputs, loaded): (Outputs, Loaded), templates: &Templates) -> Result<Pair<()>> {
-    let checked = stage::check::check_with(loaded, |file| templates.inspect(file))?;
+    let known = templates.inspect(&loaded.source);
+    let checked = stage::check::check_with(loaded, known)?;
     Ok(Pair { outputs, checked, made: () })
 }
 

@@ -33,20 +33,18 @@ impl Templates {
         Templates { shared: again.map(|job| job.source.clone()).collect(), kept: Mutex::default() }
     }
 
-    /// The mesh at `path`, from memory if it is shared and was read before.
-    pub fn read(&self, path: &Path) -> Result<MeshFile> {
-        match self.template(path) {
-            Some(template) => template.file.get_or_init(|| read_mesh(path)).clone(),
-            None => read_mesh(path),
-        }
+    /// The mesh at `path`, if it is shared: read now or before.
+    ///
+    /// Not to be called on a thread of rayon's pool, which may take up another job while it reads, and wait for itself.
+    pub fn read(&self, path: &Path) -> Option<Result<MeshFile>> {
+        let template = self.template(path)?;
+        Some(template.file.get_or_init(|| read_mesh(path)).clone())
     }
 
-    /// Checks a mesh, or takes what the check said before if it is shared.
-    pub fn inspect(&self, file: MeshFile) -> Result<LoadedMesh> {
-        match self.template(&file.path) {
-            Some(template) => template.checked.get_or_init(|| inspect(file)).clone(),
-            None => inspect(file),
-        }
+    /// What the check says of a mesh, if it is shared: now or before. Not on a thread of rayon's pool either.
+    pub fn inspect(&self, file: &MeshFile) -> Option<Result<LoadedMesh>> {
+        let template = self.template(&file.path)?;
+        Some(template.checked.get_or_init(|| inspect(file.clone())).clone())
     }
 
     fn template(&self, path: &Path) -> Option<Arc<Template>> {

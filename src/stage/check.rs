@@ -72,16 +72,13 @@ impl Checked {
 /// Checks both meshes, then what they must have in common, then the landmarks: of several faults the most fundamental is
 /// reported.
 pub fn check(loaded: Loaded) -> Result<Checked> {
-    check_with(loaded, inspect)
+    check_with(loaded, None)
 }
 
 /// The same where the source may have been checked before.
-pub fn check_with(
-    loaded: Loaded,
-    inspect_source: impl FnOnce(MeshFile) -> Result<LoadedMesh> + Send,
-) -> Result<Checked> {
+pub fn check_with(loaded: Loaded, inspected: Option<Result<LoadedMesh>>) -> Result<Checked> {
     let Loaded { source, target, landmarks, hint } = loaded;
-    let (source, target) = rayon::join(|| inspect_source(source), || inspect(target));
+    let (source, target) = rayon::join(|| inspected.unwrap_or_else(|| inspect(source)), || inspect(target));
     let (mut source, mut target) = (source?, target?);
     same_numbers([&source.report, &target.report]).map_err(|e| e.file(&target.file.path))?;
     let landmarks = landmarks?;

@@ -3,7 +3,7 @@
 use crate::Result;
 use crate::mesh::io::{Hint, Landmarks, MeshFile, read_hint, read_landmarks, read_mesh};
 use crate::mesh::{TriMesh, VertexId};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// The files of a pair.
 #[derive(Clone, Debug)]
@@ -47,12 +47,13 @@ impl Loaded {
 
 /// Reads a pair; fails if a mesh is unreadable. If both are, the error is the source's.
 pub fn load(options: LoadOptions) -> Result<Loaded> {
-    load_with(options, read_mesh)
+    load_with(options, None)
 }
 
 /// The same where the source may be at hand.
-pub fn load_with(options: LoadOptions, read_source: impl FnOnce(&Path) -> Result<MeshFile> + Send) -> Result<Loaded> {
-    let (source, target) = rayon::join(|| read_source(&options.source), || read_mesh(&options.target));
+pub fn load_with(options: LoadOptions, source: Option<Result<MeshFile>>) -> Result<Loaded> {
+    let read_source = || source.unwrap_or_else(|| read_mesh(&options.source));
+    let (source, target) = rayon::join(read_source, || read_mesh(&options.target));
     let (source, target) = (source?, target?);
     let landmarks = read_landmarks(&options.landmarks, options.target_landmarks.as_deref(), &source, &target);
     let hint = options.hint.map(|path| read_hint(&path, &source, &target)).transpose();

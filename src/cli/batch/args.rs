@@ -22,7 +22,7 @@ pub struct BatchArgs {
     /// Begin no further job once N have failed; default: failures never stop the others
     #[arg(long, value_name = "N", value_parser = at_least_one)]
     pub max_fail: Option<usize>,
-    /// Give up a job that is worked on for so many seconds; it ends at the next occasion, within a few seconds
+    /// Give up a job that is worked on for so many seconds: between stages, or within a second or so while it is relaxed
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub timeout: Option<Duration>,
     /// Memory for the jobs in flight, as 800M or 4G; default: half of what there is

@@ -9,6 +9,7 @@ use super::console::Console;
 use super::map::options;
 use crate::error::{Error, Result};
 use crate::gpu::{Device, DeviceChoice};
+use crate::pipeline::batch::ledger::Closed;
 use crate::pipeline::batch::manifest::read_manifest;
 use crate::pipeline::batch::merge::merge;
 use crate::pipeline::batch::page::write_page;
@@ -38,9 +39,9 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
         if !global.no_report {
             write_page(&shelf, &out.to_string_lossy(), &rows)?;
         }
-        shelf.clear()?;
-        let jobs = rows.len();
-        return Ok(report(&BatchResult { rows, jobs, stage_seconds: BTreeMap::new(), stopped: false }, out, console));
+        let ended = rows.iter().map(|row| row.id.clone()).collect();
+        let (jobs, stage_seconds) = (rows.len(), BTreeMap::new());
+        return Ok(report(&BatchResult { jobs, closed: Closed { rows, ended }, stage_seconds }, out, console));
     }
     let (Some(manifest), Some(out)) = (&args.manifest, &args.out) else {
         return Err(Error::usage("a manifest and --out are needed").remedy("see homeo batch --help"));
@@ -69,9 +70,8 @@ pub fn run(args: &BatchArgs, arguments: &[OsString], global: &Global, console: &
         run_batch(&jobs, &shelf, &options, &device, observer.as_ref(), &stop)?
     };
     if !global.no_report && options.shard.is_none() {
-        write_page(&shelf, &manifest.to_string_lossy(), &result.rows)?;
+        write_page(&shelf, &manifest.to_string_lossy(), &result.closed.rows)?;
     }
-    shelf.clear()?;
     let code = report(&result, out, console);
     Ok(if stop.load(Ordering::SeqCst) { ExitCode::from(INTERRUPTED) } else { code })
 }
@@ -128,12 +128,18 @@ fn options_typed(arguments: &[OsString], manifest: &Path) -> Vec<String> {
     kept
 }
 
-/// Half of what the system says is there; without a word from it four gigabytes.
+/// Half of what the system says is there, or lets this process have; without a word from it four gigabytes.
 fn default_memory() -> u64 {
-    let text = std::fs::read_to_string("/proc/meminfo").unwrap_or_default();
-    let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:"));
-    let kib = line.and_then(|line| line.trim().trim_end_matches("kB").trim().parse::<u64>().ok());
-    kib.map_or(4 << 30, |kib| kib * 1024 / 2)
+    let read = |path: &str| std::fs::read_to_string(path).ok();
+    let number = |text: String| text.trim().parse::<u64>().ok();
+    let in_all = |text: String| {
+        let line = text.lines().find_map(|line| line.strip_prefix("MemTotal:")).map(str::to_owned)?;
+        Some(number(line.trim_end_matches("kB").to_owned())? * 1024)
+    };
+    let machine = read("/proc/meminfo").and_then(in_all);
+    let groups = ["/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"];
+    let bounds = groups.into_iter().filter_map(read).filter_map(number);
+    bounds.chain(machine).min().map_or(4 << 30, |bytes| bytes / 2)
 }
 
 /// A flag that the first Ctrl-C sets; the second one ends the program, which loses the jobs at hand and nothing else.

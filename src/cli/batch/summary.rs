@@ -4,6 +4,7 @@ use crate::cli::console::Console;
 use crate::cli::table::table;
 use crate::map::distortion::Measures;
 use crate::pipeline::batch::BatchResult;
+use crate::pipeline::batch::ledger::Closed;
 use crate::pipeline::batch::row::{Row, Status};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -33,8 +34,6 @@ pub struct Summary {
     pub failed: usize,
     /// Not begun, because the run was stopped.
     pub left: usize,
-    /// Whether it was.
-    pub stopped: bool,
     /// Median and worst of every measure of the maps from source to target.
     pub distortion: BTreeMap<&'static str, Spread>,
     /// Mean seconds of every stage of the jobs done in this run, and `total`.
@@ -59,9 +58,10 @@ pub struct Spread {
 impl Summary {
     /// The numbers of a batch.
     pub fn of(result: &BatchResult) -> Self {
-        let rows = &result.rows;
+        let Closed { rows, ended } = &result.closed;
+        let rows: Vec<&Row> = rows.iter().filter(|row| ended.contains(&row.id)).collect();
         let count = |status| rows.iter().filter(|row| row.status == status).count();
-        let failed: Vec<&Row> = rows.iter().filter(|row| row.status == Status::Failed).collect();
+        let failed: Vec<&Row> = rows.iter().copied().filter(|row| row.status == Status::Failed).collect();
         let mut failures = BTreeMap::new();
         for row in &failed {
             *failures.entry(reason(row)).or_default() += 1;
@@ -75,8 +75,7 @@ impl Summary {
             skipped: count(Status::Skipped),
             failed: failed.len(),
             left: result.jobs.saturating_sub(rows.len()),
-            stopped: result.stopped,
-            distortion: MEASURES.iter().filter_map(|(name, value)| Some((*name, Spread::of(rows, value)?))).collect(),
+            distortion: MEASURES.iter().filter_map(|(name, value)| Some((*name, Spread::of(&rows, value)?))).collect(),
             stage_seconds: result.stage_seconds.iter().map(mean).collect(),
             failures,
             failed_jobs: named.collect(),
@@ -86,7 +85,7 @@ impl Summary {
 
 impl Spread {
     /// None if no row has measures.
-    fn of(rows: &[Row], value: impl Fn(&Measures) -> f64) -> Option<Self> {
+    fn of(rows: &[&Row], value: impl Fn(&Measures) -> f64) -> Option<Self> {
         let one = |row: &'_ Row| Some(value(&row.distortion.as_ref()?.forward));
         let mut values: Vec<(f64, &str)> = rows.iter().filter_map(|row| Some((one(row)?, row.id.as_str()))).collect();
         values.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -35,6 +35,12 @@ fn way(from: &Path, to: &Path) -> Option<String> {
     Some(up.chain(down).collect::<Vec<_>>().join("/"))
 }
 
+/// The libraries that an OBJ file names; of other files none.
+pub fn libraries_named(bytes: &[u8]) -> impl Iterator<Item = String> {
+    let lines = bytes.split(|&b| b == b'\n').filter_map(|line| line.strip_prefix(b"mtllib "));
+    lines.map(|name| String::from_utf8_lossy(name).trim().to_owned())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

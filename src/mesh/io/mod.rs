@@ -3,6 +3,7 @@
 //! The readers are strict: whatever is not understood is an error that names file, place and remedy, and what comes out
 //! has the vertices of the file in their order. The format is chosen by extension, then by content.
 
+mod companions;
 pub mod constraints;
 mod gltf;
 pub mod hint;
@@ -22,6 +23,7 @@ mod scan;
 mod stl;
 pub mod vertex_table;
 
+pub use companions::companions;
 pub use constraints::{Constraint, read_constraints};
 pub use gltf::{Morph, MorphTarget, MorphedMesh, TextureImage, write_morph};
 pub use hint::{Hint, HintLoop, parse_hint, read_hint};

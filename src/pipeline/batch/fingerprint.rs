@@ -1,7 +1,8 @@
-//! What a job's results depend on, in one number: the bytes of its inputs, the options and the version.
+//! What a job's results depend on, in one number: the bytes of its inputs, the options and the version. Not where the files
+//! lie, and not the device, which makes no difference beyond its tolerance.
 
-use crate::app::udim::{is_pattern, tiles_of};
 use crate::error::{Error, Result};
+use crate::pipeline::inputs::files_behind;
 use crate::pipeline::job::{MapJob, MapOptions};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -78,7 +79,9 @@ impl Fingerprints {
         ];
         for (role, path) in roles.into_iter().filter_map(|(role, path)| Some((role, path?))) {
             for file in files_behind(path)? {
-                hasher.update(format!("\n{role} {} ", file.display()).as_bytes());
+                // The extension tells the format; where the file lies makes no difference.
+                let extension = file.extension().unwrap_or_default().to_string_lossy();
+                hasher.update(format!("\n{role} {extension} ").as_bytes());
                 hasher.update(self.content(&file)?.as_bytes());
             }
         }
@@ -96,24 +99,4 @@ impl Fingerprints {
         self.known.insert(path.to_owned(), hash);
         Ok(hash)
     }
-}
-
-/// The files that are read for `path`: the tiles of a pattern, the buffers of a glTF document, else itself.
-fn files_behind(path: &Path) -> Result<Vec<PathBuf>> {
-    if is_pattern(path) {
-        return tiles_of(path);
-    }
-    let mut files = vec![path.to_owned()];
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("gltf")) {
-        files.extend(buffers_of(path));
-    }
-    Ok(files)
-}
-
-/// The files that a glTF document keeps its numbers in; none if it is not readable, which the load stage says better.
-fn buffers_of(path: &Path) -> Vec<PathBuf> {
-    let document = std::fs::read(path).ok().and_then(|bytes| serde_json::from_slice::<serde_json::Value>(&bytes).ok());
-    let buffers = document.as_ref().and_then(|d| d.get("buffers")?.as_array()).into_iter().flatten();
-    let names = buffers.filter_map(|buffer| buffer.get("uri")?.as_str()).filter(|uri| !uri.starts_with("data:"));
-    names.map(|name| path.with_file_name(name)).filter(|file| file.is_file()).collect()
 }

@@ -10,7 +10,7 @@ use crate::error::{Error, Result};
 use crate::stage::write::write_file;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -23,8 +23,19 @@ pub struct Ledger {
     failures: HashMap<String, Failure>,
     results: Journal,
     failed: Journal,
-    /// Held until the ledger is dropped; the system lets go of it when the process dies.
-    _lock: File,
+    /// Jobs that ended in this run.
+    ended: HashSet<String>,
+    /// Held until the ledger is dropped; the system lets go of them when the process dies.
+    locks: Vec<File>,
+}
+
+/// What a ledger says in the end.
+#[derive(Clone, Debug, Default)]
+pub struct Closed {
+    /// The row of every job that has one, in the manifest's order.
+    pub rows: Vec<Row>,
+    /// The jobs that ended in this run; the rows of others are from earlier ones.
+    pub ended: HashSet<String>,
 }
 
 impl Ledger {
@@ -34,7 +45,7 @@ impl Ledger {
     /// Usage, if another process has it open; input, if files cannot be read or written.
     pub fn open(out: &Path, shard: Option<Shard>, ids: &[&str]) -> Result<Self> {
         std::fs::create_dir_all(out).map_err(|e| Error::io(out, &e))?;
-        let lock = lock(out, shard)?;
+        let locks = lock(out, shard)?;
         let (results, failed) = (file_name(out, "results", shard), file_name(out, "failed", shard));
         let mut rows: HashMap<String, Row> = read_rows(&results)?.into_iter().map(|r: Row| (r.id.clone(), r)).collect();
         let mut failures: HashMap<String, Failure> =
@@ -43,7 +54,12 @@ impl Ledger {
         write_rows(&results, &order, &mut rows)?;
         write_rows(&failed, &order, &mut failures)?;
         let (results, failed) = (Journal::open(results)?, Journal::open(failed)?);
-        Ok(Ledger { order, rows, failures, results, failed, _lock: lock })
+        Ok(Ledger { order, rows, failures, results, failed, ended: HashSet::new(), locks })
+    }
+
+    /// True if no other run can be writing to the same place; where the file system has no locks nobody knows.
+    pub fn is_alone(&self) -> bool {
+        !self.locks.is_empty()
     }
 
     /// Adds what became of a job, in place of what was known before.
@@ -56,11 +72,12 @@ impl Ledger {
             }
             None => drop(self.failures.remove(&row.id)),
         }
+        self.ended.insert(row.id.clone());
         self.rows.insert(row.id.clone(), row);
     }
 
-    /// Writes both files anew, in order; returns the rows.
-    pub fn close(mut self) -> Result<Vec<Row>> {
+    /// Writes both files anew, in order.
+    pub fn close(mut self) -> Result<Closed> {
         let written = write_rows(&self.results.path, &self.order, &mut self.rows)
             .and_then(|()| write_rows(&self.failed.path, &self.order, &mut self.failures));
         if let Err(error) = written {
@@ -69,7 +86,7 @@ impl Ledger {
                 return Err(error);
             }
         }
-        Ok(self.order.iter().filter_map(|id| self.rows.remove(id)).collect())
+        Ok(Closed { rows: self.order.iter().filter_map(|id| self.rows.remove(id)).collect(), ended: self.ended })
     }
 }
 
@@ -79,30 +96,40 @@ pub fn file_name(out: &Path, name: &str, shard: Option<Shard>) -> PathBuf {
     out.join(format!("{name}{part}.jsonl"))
 }
 
-fn lock(out: &Path, shard: Option<Shard>) -> Result<File> {
-    let path = file_name(out, ".lock", shard).with_extension("");
-    let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
-    let file = file.map_err(|e| Error::io(&path, &e))?;
-    match file.try_lock() {
-        Ok(()) => Ok(file),
-        Err(TryLockError::WouldBlock) => Err(Error::usage("another run writes to this folder")
-            .file(out)
-            .remedy("wait until it has ended, or name another folder")),
-        // Some network file systems have no locks: then it is up to the user.
-        Err(TryLockError::Error(_)) => Ok(file),
+/// Locks the place: a whole batch for itself, shards beside each other, each shard for itself. None where there are no locks,
+/// as on some network file systems: then it is up to the user.
+fn lock(out: &Path, shard: Option<Shard>) -> Result<Vec<File>> {
+    let open = |path: PathBuf| {
+        let file = OpenOptions::new().create(true).truncate(false).write(true).open(&path);
+        file.map_err(|e| Error::io(&path, &e))
+    };
+    let whole = open(out.join(".lock"))?;
+    let mut tried = vec![if shard.is_some() { whole.try_lock_shared() } else { whole.try_lock() }];
+    let mut locks = vec![whole];
+    if shard.is_some() {
+        let own = open(file_name(out, ".lock", shard).with_extension(""))?;
+        tried.push(own.try_lock());
+        locks.push(own);
     }
+    if tried.iter().any(|result| matches!(result, Err(TryLockError::WouldBlock))) {
+        return Err(Error::usage("another run writes to this folder")
+            .file(out)
+            .remedy("wait until it has ended, or name another folder"));
+    }
+    Ok(if tried.iter().all(std::result::Result::is_ok) { locks } else { Vec::new() })
 }
 
 /// The rows of a file of JSON lines, none if it is not there; a last line that was cut short is left out.
 pub fn read_rows<T: DeserializeOwned>(path: &Path) -> Result<Vec<T>> {
-    let text = match std::fs::read_to_string(path) {
+    let mut text = match std::fs::read(path) {
         Ok(text) => text,
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(e) => return Err(Error::io(path, &e)),
     };
+    text.truncate(text.iter().rposition(|&b| b == b'\n').map_or(0, |end| end + 1));
     let mut rows = Vec::new();
-    for (i, line) in text.split_inclusive('\n').enumerate().filter(|(_, line)| line.ends_with('\n')) {
-        rows.push(serde_json::from_str(line).map_err(|e| {
+    for (i, line) in text.split_inclusive(|&b| b == b'\n').enumerate() {
+        rows.push(serde_json::from_slice(line).map_err(|e| {
             Error::input(format!("not a row of results: {e}"))
                 .file(path)
                 .at(format!("line {}", i + 1))
@@ -205,7 +232,8 @@ mod tests {
         let mut ledger = Ledger::open(&out, None, &["a", "b", "c"]).expect("a ledger");
         assert_eq!(ids(&results), ["a", "c"]);
         ledger.add(Row { status: super::super::row::Status::Ok, error: None, ..failed("a").0 }, None);
-        assert_eq!(ledger.close().expect("closed").len(), 2);
+        let closed = ledger.close().expect("closed");
+        assert_eq!((closed.rows.len(), closed.ended.len()), (2, 1));
         assert_eq!(ids(&results), ["a", "c"]);
         let failures: Vec<Failure> = read_rows(&out.join("failed.jsonl")).expect("rows");
         assert_eq!(failures.into_iter().map(|f| f.id).collect::<Vec<_>>(), ["c"], "a has succeeded since");
@@ -221,7 +249,7 @@ mod tests {
             ledger.add(row, failure);
         }
         ledger.close().expect("closed");
-        let rows = Ledger::open(&out, None, &["b"]).and_then(Ledger::close).expect("closed");
+        let rows = Ledger::open(&out, None, &["b"]).and_then(Ledger::close).expect("closed").rows;
         assert_eq!(rows.into_iter().map(|row| row.id).collect::<Vec<_>>(), ["b"]);
         std::fs::remove_dir_all(&out).expect("removable");
     }
@@ -231,9 +259,13 @@ mod tests {
         let out = folder("lock");
         let first = Ledger::open(&out, None, &["a"]).expect("a ledger");
         assert!(Ledger::open(&out, None, &["a"]).is_err_and(|e| e.what.contains("another run")));
-        let shard = "1/2".parse().ok();
-        assert!(Ledger::open(&out, shard, &["a"]).is_ok(), "a shard has files of its own");
+        let [one, two] = ["1/2", "2/2"].map(|shard| shard.parse().ok());
+        assert!(Ledger::open(&out, one, &["a"]).is_err(), "nor a shard beside the whole");
         drop(first);
+        let shard = Ledger::open(&out, one, &["a"]).expect("a ledger");
+        assert!(Ledger::open(&out, two, &["a"]).is_ok_and(|ledger| ledger.is_alone()), "shards go side by side");
+        assert!(Ledger::open(&out, one, &["a"]).is_err() && Ledger::open(&out, None, &["a"]).is_err());
+        drop(shard);
         assert!(Ledger::open(&out, None, &["a"]).is_ok());
         std::fs::remove_dir_all(&out).expect("removable");
     }

@@ -25,12 +25,16 @@ pub fn merge(shelf: &Shelf) -> Result<Vec<Row>> {
     let mut rows: HashMap<String, Row> = HashMap::with_capacity(ids.len());
     let mut twice = Vec::new();
     for file in parts(out, "results")? {
-        for row in read_rows::<Row>(&file)? {
-            if let Some(earlier) = rows.insert(row.id.clone(), row) {
-                twice.push(earlier.id);
+        // Of several rows in one file the last one holds: a run that was killed had no time to drop the others.
+        let last: HashMap<String, Row> =
+            read_rows::<Row>(&file)?.into_iter().map(|row| (row.id.clone(), row)).collect();
+        for (id, row) in last {
+            if rows.insert(id.clone(), row).is_some() {
+                twice.push(id);
             }
         }
     }
+    twice.sort();
     let remedy = "run the shards that are missing, or remove the results of shards that are not of this batch";
     refuse(out, "jobs with several results", &twice, remedy)?;
     let missing: Vec<&String> = ids.iter().filter(|id| !rows.contains_key(*id)).collect();

@@ -35,9 +35,9 @@ use crate::gpu::Device;
 use crate::map::report::Report;
 use crate::stage::write::folder::{REPORT_FILE, clean_leftovers_of};
 use fingerprint::{Fingerprint, Fingerprints, SEAL_FILE};
-use ledger::{Ledger, file_name};
+use ledger::{Closed, Ledger, file_name};
 use manifest::BatchJob;
-use record::RECORD_FILE;
+use record::{RECORD_FILE, write_record};
 use row::{Failure, Row};
 use shard::Shard;
 use shelf::Shelf;
@@ -64,14 +64,12 @@ pub struct BatchOptions {
 /// What became of a batch.
 #[derive(Clone, Debug)]
 pub struct BatchResult {
-    /// A row for every job that has come to an end by now, in the manifest's order.
-    pub rows: Vec<Row>,
     /// Jobs of this shard.
     pub jobs: usize,
+    /// Their rows.
+    pub closed: Closed,
     /// Seconds that the jobs done in this run spent in every stage, together, and `total`.
     pub stage_seconds: BTreeMap<&'static str, f64>,
-    /// Whether the batch ended before all jobs were begun: it was told to, or too many failed.
-    pub stopped: bool,
 }
 
 /// What can be told while a batch runs.
@@ -93,13 +91,15 @@ pub fn run_batch(
     observer: &dyn BatchObserver,
     stop: &AtomicBool,
 ) -> Result<BatchResult> {
-    let ids: Vec<&str> = jobs.iter().map(|job| job.id.as_str()).collect();
     let out = shelf.folder();
-    record::write_record(out, &ids)?;
+    shelf.fetch_tables()?;
     let own: Vec<&BatchJob> = jobs.iter().filter(|job| options.shard.is_none_or(|s| s.holds(&job.id))).collect();
     let own_ids: Vec<&str> = own.iter().map(|job| job.id.as_str()).collect();
     let ledger = Ledger::open(out, options.shard, &own_ids)?;
-    clean_leftovers_of(out, &own_ids.iter().copied().collect())?;
+    if ledger.is_alone() {
+        clean_leftovers_of(out, &own_ids.iter().copied().collect())?;
+    }
+    write_record(out, &jobs.iter().map(|job| job.id.as_str()).collect::<Vec<_>>())?;
     let run = Run {
         shelf,
         options,
@@ -115,15 +115,14 @@ pub fn run_batch(
     let flow = Flow::watched(observer).bounded(options.timeout, options.memory);
     let due = own.iter().enumerate().take_while(|_| run.goes_on()).filter_map(|(i, job)| run.due(JobId(i), job));
     stream_maps(due, &options.map, device, &flow, &templates, |outcome| run.note(own[outcome.id.0], outcome));
-    let stopped = !run.goes_on();
     let stage_seconds = run.stage_seconds.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let rows = run.ledger.into_inner().unwrap_or_else(PoisonError::into_inner).close()?;
+    let closed = run.ledger.into_inner().unwrap_or_else(PoisonError::into_inner).close()?;
     for table in
         [out.join(RECORD_FILE), file_name(out, "results", options.shard), file_name(out, "failed", options.shard)]
     {
         shelf.put_file(&table)?;
     }
-    Ok(BatchResult { rows, jobs: own.len(), stage_seconds, stopped })
+    Ok(BatchResult { jobs: own.len(), closed, stage_seconds })
 }
 
 /// A batch that runs.

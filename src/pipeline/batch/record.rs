@@ -14,11 +14,18 @@ struct Record {
     ids: Vec<String>,
 }
 
-/// Writes the ids of all jobs, whatever shard they belong to; all shards write the same.
+/// Writes the ids of all jobs, whatever shard they belong to; all shards write the same, and the first one does.
 pub fn write_record(out: &Path, ids: &[&str]) -> Result<()> {
     let ids = ids.iter().map(|&id| id.to_owned()).collect();
     let record = Record { version: env!("CARGO_PKG_VERSION").to_owned(), ids };
-    write_file(&out.join(RECORD_FILE), |file| Ok(serde_json::to_writer(file, &record)?))
+    let (path, bytes) = (out.join(RECORD_FILE), serde_json::to_vec(&record).expect("strings by name"));
+    let is_there = || std::fs::read(&path).is_ok_and(|there| there == bytes);
+    if is_there() {
+        return Ok(());
+    }
+    let written = write_file(&path, |file| file.write_all(&bytes));
+    // A shard on another machine may have taken the temporary file for a dead process's, and written the same itself.
+    if is_there() { Ok(()) } else { written }
 }
 
 /// The ids of all jobs of the batch in a folder.

@@ -28,7 +28,8 @@ impl Shelf {
                 return Ok(Shelf { folder: PathBuf::from(path), store: None });
             }
             let name = blake3::hash(text.as_bytes()).to_hex();
-            let folder = std::env::temp_dir().join(format!("homeo-batch-{}", &name[..16]));
+            let own = format!("homeo-batch-{}-{}", &name[..16], std::process::id());
+            let folder = std::env::temp_dir().join(own);
             return Ok(Shelf { folder, store: Some(Store::open(&text)?) });
         }
         if out.exists() && !out.is_dir() {
@@ -68,6 +69,9 @@ impl Shelf {
         if store.read(&format!("{id}/{SEAL_FILE}"))?.is_some() {
             store.remove(&format!("{id}/{SEAL_FILE}"))?;
         }
+        for old in store.files_below(id)? {
+            store.remove(&format!("{id}/{old}"))?;
+        }
         for name in names {
             let path = folder.join(&name);
             let bytes = std::fs::read(&path).map_err(|e| Error::io(&path, &e))?;
@@ -87,19 +91,20 @@ impl Shelf {
     pub fn fetch_tables(&self) -> Result<()> {
         let Some(store) = &self.store else { return Ok(()) };
         std::fs::create_dir_all(&self.folder).map_err(|e| Error::io(&self.folder, &e))?;
-        for name in store.files()?.iter().filter(|name| name.ends_with(".jsonl") || name.ends_with(".json")) {
+        for name in store.files("")?.iter().filter(|name| name.ends_with(".jsonl") || name.ends_with(".json")) {
             let path = self.folder.join(name);
             let bytes = store.read(name)?.unwrap_or_default();
             std::fs::write(&path, bytes).map_err(|e| Error::io(&path, &e))?;
         }
         Ok(())
     }
+}
 
-    /// Removes the folder if it was only on the way to a store.
-    pub fn clear(&self) -> Result<()> {
-        match &self.store {
-            Some(_) => std::fs::remove_dir_all(&self.folder).map_err(|e| Error::io(&self.folder, &e)),
-            None => Ok(()),
+impl Drop for Shelf {
+    fn drop(&mut self) {
+        if self.store.is_some() {
+            // What was on its way has arrived, or is lost with this run; the system clears its temporary files itself.
+            let _ = std::fs::remove_dir_all(&self.folder);
         }
     }
 }

@@ -13,6 +13,7 @@ mod with_crate {
     use crate::error::{Error, Result};
     use object_store::path::Path;
     use object_store::{ObjectStore, ObjectStoreExt, parse_url_opts};
+    use std::ffi::OsString;
     use std::fmt;
     use std::future::Future;
     use tokio::runtime::{Builder, Runtime};
@@ -41,7 +42,11 @@ mod with_crate {
                 Error::usage(what).at(address).remedy("write s3://BUCKET/PREFIX, gs://... or az://..., see README.md")
             };
             let url = url::Url::parse(address).map_err(|e| refuse(format!("not an address: {e}")))?;
-            let settings = std::env::vars().map(|(key, value)| (key.to_lowercase(), value));
+            let text = |(key, value): (OsString, OsString)| {
+                Some((key.into_string().ok()?.to_lowercase(), value.into_string().ok()?))
+            };
+            let is_provider = |key: &str| ["aws_", "google_", "azure_"].iter().any(|start| key.starts_with(start));
+            let settings = std::env::vars_os().filter_map(text).filter(|(key, _)| is_provider(key));
             let (objects, prefix) = parse_url_opts(&url, settings).map_err(|e| refuse(e.to_string()))?;
             // Calls come from several threads, each of which drives its own request to the end.
             let runtime = Builder::new_current_thread().enable_all().build();
@@ -72,18 +77,34 @@ mod with_crate {
             self.wait(self.objects.delete(&path)).map_err(|e| self.failed(name, &e))
         }
 
-        /// The names of the objects right below the address, in order.
-        pub fn files(&self) -> Result<Vec<String>> {
-            let listed = self.wait(self.objects.list_with_delimiter(Some(&self.prefix)));
-            let listed = listed.map_err(|e| self.failed("", &e))?;
-            let mut names: Vec<String> =
-                listed.objects.iter().filter_map(|object| Some(object.location.filename()?.to_owned())).collect();
-            names.sort();
+        /// The names of the objects right below a folder of the address (none: itself), in order.
+        pub fn files(&self, folder: &str) -> Result<Vec<String>> {
+            Ok(self.list(folder)?.0)
+        }
+
+        /// The names of the objects in and below a folder, from there on.
+        pub fn files_below(&self, folder: &str) -> Result<Vec<String>> {
+            let (mut names, folders) = self.list(folder)?;
+            for inner in folders {
+                let below = self.files_below(&format!("{folder}/{inner}"))?;
+                names.extend(below.into_iter().map(|name| format!("{inner}/{name}")));
+            }
             Ok(names)
         }
 
+        /// The objects and the folders in a folder.
+        fn list(&self, folder: &str) -> Result<(Vec<String>, Vec<String>)> {
+            let path = self.path(folder);
+            let listed =
+                self.wait(self.objects.list_with_delimiter(Some(&path))).map_err(|e| self.failed(folder, &e))?;
+            let name = |path: &Path| path.filename().map(str::to_owned);
+            let mut names: Vec<String> = listed.objects.iter().filter_map(|object| name(&object.location)).collect();
+            names.sort();
+            Ok((names, listed.common_prefixes.iter().filter_map(name).collect()))
+        }
+
         fn path(&self, name: &str) -> Path {
-            name.split('/').fold(self.prefix.clone(), |path, part| path.join(part))
+            name.split('/').filter(|part| !part.is_empty()).fold(self.prefix.clone(), |path, part| path.join(part))
         }
 
         fn wait<T>(&self, request: impl Future<Output = T>) -> T {
@@ -130,7 +151,12 @@ mod without {
         }
 
         /// Likewise.
-        pub fn files(&self) -> Result<Vec<String>> {
+        pub fn files(&self, _: &str) -> Result<Vec<String>> {
+            match *self {}
+        }
+
+        /// Likewise.
+        pub fn files_below(&self, _: &str) -> Result<Vec<String>> {
             match *self {}
         }
     }

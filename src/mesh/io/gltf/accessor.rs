@@ -160,7 +160,7 @@ fn base64(text: &[u8]) -> Option<Vec<u8>> {
 }
 
 /// A URI with `%20` and the like replaced.
-fn percent_decoded(uri: &str) -> String {
+pub fn percent_decoded(uri: &str) -> String {
     let mut out = Vec::new();
     let mut rest = uri.as_bytes();
     while let Some((&byte, tail)) = rest.split_first() {

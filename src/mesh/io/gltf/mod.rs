@@ -22,12 +22,12 @@ pub use texture_image::TextureImage;
 
 use super::mesh_file::{Attribute, MeshFile, NO_INDEX};
 use crate::{Error, Result};
-use accessor::Buffers;
+use accessor::{Buffers, percent_decoded};
 use document::{Document, Primitive};
 use glam::{DMat4, DVec2, DVec3};
 use scene::placed_meshes;
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Remedy for content that breaks the format's rules.
 const AGAIN: &str = "export the file again";
@@ -43,6 +43,15 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
 pub(super) fn is_document(bytes: &[u8]) -> bool {
     let window = |word: &[u8]| bytes.windows(word.len()).any(|w| w == word);
     bytes.trim_ascii_start().starts_with(b"{") && window(b"\"asset\"") && window(b"\"meshes\"")
+}
+
+/// The separate files of buffers that a document in a folder names; none if it is no glTF or cannot be read.
+pub(super) fn buffer_files(bytes: &[u8], folder: &Path) -> Vec<PathBuf> {
+    let json =
+        if is_binary(bytes) { chunks(bytes).ok().map(|(json, _)| json) } else { is_document(bytes).then_some(bytes) };
+    let document = json.and_then(|json| Document::parse(json).ok());
+    let uris = document.into_iter().flat_map(|d| d.buffers).filter_map(|buffer| buffer.uri);
+    uris.filter(|uri| !uri.starts_with("data:")).map(|uri| folder.join(percent_decoded(&uri))).collect()
 }
 
 /// Parses a file; separate buffers are read from its folder.

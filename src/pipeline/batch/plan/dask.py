@@ -9,6 +9,7 @@ finished. Needs dask and distributed.
 import os
 import subprocess
 import sys
+import time
 
 from dask.distributed import Client, LocalCluster, as_completed
 
@@ -25,7 +26,11 @@ def program():
 def run_shard(part):
     """Runs one shard to its end; raises if homeo itself could not run it."""
     command = [program(), *ARGUMENTS, "--shard", f"{part}/{SHARDS}"]
-    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    while True:
+        done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        if "another run writes to this folder" not in done.stderr:
+            break
+        time.sleep(5)  # what a worker that died has left running still finishes its jobs
     if done.returncode not in (0, FAILED_JOBS):
         raise RuntimeError(f"shard {part}: exit code {done.returncode}: {done.stderr[-2000:]}")
     return part, done.returncode
