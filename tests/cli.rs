@@ -96,9 +96,12 @@ fn wrong_arguments_are_one_line_and_exit_2() {
 }
 
 #[test]
-fn what_comes_later_is_refused_and_says_so() {
-    refuses(&["batch"], 2, &["batch", "comes with a later version"]);
-    refuses(&["batch", "some.csv", "--frames", "3"], 2, &["batch", "comes with a later version"]);
+fn a_batch_needs_a_manifest_and_a_place() {
+    refuses(&["batch"], 2, &["--out", "MANIFEST"]);
+    refuses(&["batch", "some.csv", "--out", "out", "--frames", "3"], 2, &["--frames"]);
+    refuses(&["batch", "some.csv", "--out", "out"], 3, &["some.csv", "No such file"]);
+    refuses(&["batch", "some.csv", "--out", "out", "--shard", "3/2"], 2, &["3/2", "1 <= I <= N"]);
+    refuses(&["batch", "some.csv", "--merge", "out"], 2, &["--merge"]);
 }
 
 #[test]
@@ -274,9 +277,9 @@ fn devices_says_what_is_taken() {
 #[test]
 fn colours_are_off_without_a_terminal_and_on_when_asked_for() {
     let colourful = |output: &Output| output.stderr.contains(&0x1b);
-    assert!(!colourful(&homeo(&["batch"])));
-    assert!(colourful(&homeo(&["batch", "--color", "always"])) || colourful(&homeo(&["--color", "always", "batch"])));
-    assert!(!colourful(&homeo(&["--color", "never", "batch"])));
+    assert!(!colourful(&homeo(&["check", "nowhere.obj"])));
+    assert!(colourful(&homeo(&["check", "nowhere.obj", "--color", "always"])));
+    assert!(!colourful(&homeo(&["--color", "never", "check", "nowhere.obj"])));
 }
 
 #[test]
