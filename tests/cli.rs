@@ -277,9 +277,9 @@ fn devices_says_what_is_taken() {
 #[test]
 fn colours_are_off_without_a_terminal_and_on_when_asked_for() {
     let colourful = |output: &Output| output.stderr.contains(&0x1b);
-    assert!(!colourful(&homeo(&["check", "nowhere.obj"])));
-    assert!(colourful(&homeo(&["check", "nowhere.obj", "--color", "always"])));
-    assert!(!colourful(&homeo(&["--color", "never", "check", "nowhere.obj"])));
+    assert!(!colourful(&homeo(&["measure", "no.obj", "no.obj"])));
+    assert!(colourful(&homeo(&["measure", "no.obj", "no.obj", "--color", "always"])));
+    assert!(!colourful(&homeo(&["--color", "never", "measure", "no.obj", "no.obj"])));
 }
 
 #[test]
