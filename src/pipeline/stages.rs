@@ -28,10 +28,13 @@ pub fn run_maps(
     stream_maps(jobs, options, device, &Flow::watched(observer), &Templates::default(), take);
 }
 
+/// A job by its number, and the file by which its results are known again, if there is one.
+pub type SealedJob = (JobId, MapJob, Option<NamedFile>);
+
 /// The same for jobs that are told one by one, within the flow's limits; source meshes that `templates` names are read
 /// and checked once. A job's seal is written with its results.
 pub fn stream_maps(
-    jobs: impl Iterator<Item = (JobId, MapJob, Option<NamedFile>)> + Send,
+    jobs: impl Iterator<Item = SealedJob> + Send,
     options: &MapOptions,
     device: &Device,
     flow: &Flow,

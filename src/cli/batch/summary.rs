@@ -13,8 +13,11 @@ use std::path::Path;
 /// Failures named in the summary at most; failed.jsonl has them all.
 const NAMED: usize = 10;
 
+/// A measure by its name in reports.
+type Named = (&'static str, fn(&Measures) -> f64);
+
 /// What is summed up of every map from source to target.
-const MEASURES: [(&str, fn(&Measures) -> f64); 4] = [
+const MEASURES: [Named; 4] = [
     ("e_l2", |m| m.e_l2),
     ("e_ang", |m| m.e_ang),
     ("symmetric_dirichlet", |m| m.symmetric_dirichlet),

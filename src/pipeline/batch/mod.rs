@@ -28,7 +28,7 @@ use super::flow::Flow;
 use super::job::{MapJob, MapOptions};
 use super::line::{JobId, Outcome};
 use super::observer::Observer;
-use super::stages::stream_maps;
+use super::stages::{SealedJob, stream_maps};
 use super::templates::Templates;
 use crate::error::Result;
 use crate::gpu::Device;
@@ -146,7 +146,7 @@ impl Run<'_> {
     }
 
     /// The job for the line of stages; none if it is done already, or fails before it is begun.
-    fn due(&self, id: JobId, job: &BatchJob) -> Option<(JobId, MapJob, Option<(String, Vec<u8>)>)> {
+    fn due(&self, id: JobId, job: &BatchJob) -> Option<SealedJob> {
         let fingerprint = self.fingerprints.lock().unwrap_or_else(PoisonError::into_inner).of(&job.files);
         let fingerprint = match fingerprint {
             Ok(fingerprint) => fingerprint,
