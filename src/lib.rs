@@ -13,6 +13,7 @@
 //!        | load       vertices keep their order and number            mesh::io
 //!        | check      two manifolds of the same kind, or exit 3 or 4   mesh::check, path::handedness
 //!        |            from here on in canonical order                 mesh::canonical
+//!        | simplify   large meshes become small ones, with a way back    mesh::simplify
 //!        | cluster    the landmarks' surface Voronoi cells             path::front, path::cluster
 //!        | trace      arcs on one mesh, carried over to the other,     path::search, path::region
 //!        |            or laid on both, led by a rough map              stage::growth, stage::hypothesis
@@ -23,6 +24,7 @@
 //!        | relax      across the arcs, which move with it and flip,    plane::domain, plane::thin, plane::hierarchy, plane::smooth
 //!        |            single moves of all domains on the device,       kernel::sweep_batch
 //!        |            then the compatible meshes themselves            plane::polish
+//!        | lift       back to the large meshes                         path::lift, plane::convex
 //!        v
 //!     Embedding       source patches -> base complex <- target patches
 //!        | compose    follow it through; certify                       map::surface_map, map::certificate

@@ -36,6 +36,13 @@ impl Canonical {
         Self::ordered(given, other.vertex_there.raw.clone())
     }
 
+    /// A mesh that is in canonical order already.
+    pub fn as_given(mesh: &TriMesh) -> Self {
+        let vertices: IdVec<VertexId, VertexId> = mesh.conn.vertices().collect();
+        let corner_there = mesh.conn.halfedges().collect();
+        Canonical { mesh: mesh.clone(), vertex_here: vertices.clone(), vertex_there: vertices, corner_there }
+    }
+
     fn ordered(given: &TriMesh, vertex_there: Vec<VertexId>) -> Self {
         let mut vertex_here = IdVec::filled(VertexId(0), vertex_there.len());
         for (here, &there) in vertex_there.iter().enumerate() {

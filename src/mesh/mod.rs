@@ -9,6 +9,7 @@ pub mod io;
 pub mod metric;
 pub mod point;
 pub mod salience;
+pub mod simplify;
 pub mod subdivision;
 pub mod trimesh;
 

@@ -14,6 +14,7 @@ pub mod face_cells;
 pub mod front;
 pub mod handedness;
 pub mod handle;
+pub mod lift;
 pub mod loop_anchor;
 pub mod loop_pairs;
 pub mod network;

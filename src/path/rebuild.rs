@@ -64,6 +64,8 @@ struct Crossing {
     t: f64,
     /// Its place among the crossings of the edge.
     rank: usize,
+    /// Its place among the points of its arc's curve.
+    point: usize,
 }
 
 struct Network<'a> {
@@ -84,20 +86,42 @@ pub fn rebuild(
     arcs: &IdVec<ArcId, [LandmarkId; 2]>,
     edge_nodes: u32,
 ) -> Result<CutMesh> {
-    let mut network = Network::read(mesh, cut, arcs)?;
+    let curve = |(arc, ends): (ArcId, &[LandmarkId; 2])| polyline(cut, arc, ends[0]);
+    let curves: IdVec<ArcId, Vec<SurfacePoint>> = arcs.iter_ids().map(curve).collect();
+    let mut network = Network::new(mesh, &curves)?;
     for _ in 0..ROUNDS {
         network.straighten();
     }
-    network.build(cut, edge_nodes)
+    network.build(&cut.landmarks.raw, edge_nodes)
+}
+
+/// A curve on a mesh: its points, each with the share of the curve that lies before it.
+pub type Curve = Vec<(SurfacePoint, f64)>;
+
+/// The cut mesh of arcs that are given as curves, and the share of its arc at every vertex of every arc.
+///
+/// Fails if two of them cross an edge at one point, or cross each other.
+pub fn cut_along(
+    mesh: &TriMesh,
+    curves: &IdVec<ArcId, Curve>,
+    landmarks: &[VertexId],
+    edge_nodes: u32,
+) -> Result<(CutMesh, IdVec<ArcId, Vec<f64>>)> {
+    let network = Network::new(mesh, &points_of(curves))?;
+    let shares = network.stops.iter_ids().map(|(arc, stops)| network.shares(&curves[arc], stops)).collect();
+    Ok((network.build(landmarks, edge_nodes)?, shares))
+}
+
+fn points_of(curves: &IdVec<ArcId, Curve>) -> IdVec<ArcId, Vec<SurfacePoint>> {
+    curves.iter().map(|curve| curve.iter().map(|&(point, _)| point).collect()).collect()
 }
 
 impl<'a> Network<'a> {
-    fn read(mesh: &'a TriMesh, cut: &CutMesh, arcs: &IdVec<ArcId, [LandmarkId; 2]>) -> Result<Self> {
+    fn new(mesh: &'a TriMesh, curves: &IdVec<ArcId, Vec<SurfacePoint>>) -> Result<Self> {
         let on_edge = IdVec::filled(Vec::new(), 3 * mesh.conn.face_count());
         let mut network = Network { mesh, crossings: Vec::new(), stops: IdVec::default(), on_edge };
-        for (arc, ends) in arcs.iter_ids() {
-            let points = polyline(cut, arc, ends[0]);
-            let stops = network.stops_of(&points);
+        for points in curves.iter() {
+            let stops = network.stops_of(points);
             network.stops.push(stops);
         }
         for stop in network.stops.iter().flatten() {
@@ -138,13 +162,13 @@ impl<'a> Network<'a> {
     /// Reduces a polyline to its stops, without steps along the inside of an edge.
     fn stops_of(&mut self, points: &[SurfacePoint]) -> Vec<Stop> {
         let mut stops = Vec::new();
-        for &p in points {
+        for (point, &p) in points.iter().enumerate() {
             stops.push(match p {
                 SurfacePoint::Vertex(v) => Stop::Vertex(v),
                 SurfacePoint::Face(..) => continue,
                 SurfacePoint::Edge(h, t) => {
                     let edge = self.mesh.conn.edge_representative(h);
-                    self.crossings.push(Crossing { edge, t: if edge == h { t } else { 1.0 - t }, rank: 0 });
+                    self.crossings.push(Crossing { edge, t: if edge == h { t } else { 1.0 - t }, rank: 0, point });
                     Stop::Crossing(self.crossings.len() - 1)
                 }
             });
@@ -236,7 +260,7 @@ impl<'a> Network<'a> {
 
     /// The interval a crossing may move in.
     fn room(&self, c: usize) -> (f64, f64) {
-        let Crossing { edge, t, rank: at } = self.crossings[c];
+        let Crossing { edge, t, rank: at, .. } = self.crossings[c];
         let on = &self.on_edge[edge];
         let low = if at > 0 { self.crossings[on[at - 1]].t } else { 0.0 };
         let high = on.get(at + 1).map_or(1.0, |&k| self.crossings[k].t);
@@ -244,7 +268,21 @@ impl<'a> Network<'a> {
         (low + room.min(t - low), high - room.min(high - t))
     }
 
-    fn build(&self, cut: &CutMesh, edge_nodes: u32) -> Result<CutMesh> {
+    /// The shares of a curve at its stops.
+    fn shares(&self, curve: &Curve, stops: &[Stop]) -> Vec<f64> {
+        let at = |stop: &Stop| match *stop {
+            Stop::Crossing(c) => curve[self.crossings[c].point].1,
+            Stop::Vertex(v) => curve.iter().find(|(p, _)| *p == SurfacePoint::Vertex(v)).map_or(0.0, |p| p.1),
+        };
+        let mut shares: Vec<f64> = stops.iter().map(at).collect();
+        if let (Some(last), Some(end)) = (shares.last_mut(), curve.last()) {
+            // Where the curve ends at the vertex at which it starts.
+            *last = end.1;
+        }
+        shares
+    }
+
+    fn build(&self, landmarks: &[VertexId], edge_nodes: u32) -> Result<CutMesh> {
         let vertex_of: Vec<VertexId> =
             (0..self.crossings.len()).map(|c| VertexId::new(self.mesh.positions.len() + c)).collect();
         let (used, vertex_of) = self.number_crossings(vertex_of);
@@ -268,7 +306,7 @@ impl<'a> Network<'a> {
                 }
             }
         }
-        let mut built = CutMesh::assemble(self.mesh, &faces, origin, face_origin, &cut.landmarks.raw, edge_nodes)?;
+        let mut built = CutMesh::assemble(self.mesh, &faces, origin, face_origin, landmarks, edge_nodes)?;
         self.mark_arcs(&mut built, &vertex_of)?;
         Ok(built)
     }

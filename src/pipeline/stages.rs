@@ -84,11 +84,13 @@ fn checked_to_composed<'scope, 'env>(
 ) -> Line<'scope, 'env, Pair<Finished>> {
     loaded
         .then(Stage::Check, |pair, _| steps::check(pair, templates))
+        .then(Stage::Simplify, |pair, step| steps::simplify(pair, options.relax, step))
         .then(Stage::Cluster, steps::cluster)
         .then(Stage::Trace, |pair, step| steps::trace(pair, compute, options.layout, step))
         .then(Stage::Embed, |pair, step| steps::embed(pair, options.layout, step))
         .then(Stage::Stretch, |pair, step| steps::stretch(pair, compute, step))
         .then(Stage::Relax, |pair, step| steps::relax(pair, compute, options.relax, options.tolerance, step))
+        .then(Stage::Lift, |pair, step| steps::lift(pair, compute, options.layout, options.tolerance, step))
         .then(Stage::Compose, steps::compose)
 }
 
@@ -99,6 +101,8 @@ pub enum Stage {
     Load,
     /// Turns them into manifolds or says what is wrong.
     Check,
+    /// Makes large meshes smaller, with a way back.
+    Simplify,
     /// Grows the landmarks' surface Voronoi cells.
     Cluster,
     /// Traces the arcs of the layout on both meshes.
@@ -109,6 +113,8 @@ pub enum Stage {
     Stretch,
     /// Lowers the distortion of the composed map.
     Relax,
+    /// Carries the map back to the large meshes.
+    Lift,
     /// Joins the embeddings into the map and certifies it.
     Compose,
     /// Inserts vertices where the compatible meshes miss the other surface, if that was asked for.
@@ -121,14 +127,16 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in order.
-    pub const ALL: [Stage; 11] = [
+    pub const ALL: [Stage; 13] = [
         Stage::Load,
         Stage::Check,
+        Stage::Simplify,
         Stage::Cluster,
         Stage::Trace,
         Stage::Embed,
         Stage::Stretch,
         Stage::Relax,
+        Stage::Lift,
         Stage::Compose,
         Stage::Refine,
         Stage::Bake,
@@ -140,11 +148,13 @@ impl Stage {
         match self {
             Stage::Load => "load",
             Stage::Check => "check",
+            Stage::Simplify => "simplify",
             Stage::Cluster => "cluster",
             Stage::Trace => "trace",
             Stage::Embed => "embed",
             Stage::Stretch => "stretch",
             Stage::Relax => "relax",
+            Stage::Lift => "lift",
             Stage::Compose => "compose",
             Stage::Refine => "refine",
             Stage::Bake => "bake",

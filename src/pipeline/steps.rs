@@ -4,7 +4,7 @@ use super::images::geometry_images;
 use super::job::{LayoutMethod, MapJob, MapOptions, Outputs, PageOptions, Relaxation};
 use super::lay_out::lay_out;
 use super::line::Step;
-use super::pair::Pair;
+use super::pair::{Pair, Whole};
 use super::templates::Templates;
 use super::textures::{check_texture, further_files};
 use crate::error::{Error, Result};
@@ -20,8 +20,10 @@ use crate::stage::cluster::BaseVertices;
 use crate::stage::compose::{CertifiedMap, Composed, images_there, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
+use crate::stage::polish::polish_samples;
 use crate::stage::refine::RefineOptions;
-use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_patches};
+use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_lifted, relax_patches};
+use crate::stage::simplify::{ENOUGH, Simple, simplify as simplify_pair};
 
 /// Layouts whose promises differ by less are equally good, and the one with the shorter arcs is taken.
 const SAME_PROMISE: f64 = 1e-3;
@@ -83,7 +85,20 @@ pub fn load((job, seal): (MapJob, Option<NamedFile>), templates: &Templates, ste
 pub fn check((outputs, loaded): (Outputs, Loaded), templates: &Templates) -> Result<Pair<()>> {
     let known = templates.inspect(&loaded.source);
     let checked = stage::check::check_with(loaded, known)?;
-    Ok(Pair { outputs, checked, made: () })
+    Ok(Pair { outputs, checked, whole: None, made: () })
+}
+
+/// Puts simple meshes in the place of large ones, whose map is to be relaxed all over.
+pub fn simplify(mut pair: Pair<()>, how: Relaxation, step: &Step) -> Result<Pair<()>> {
+    if how == Relaxation::Full
+        && let Some(Simple { checked, simplified }) = simplify_pair(&pair.checked, ENOUGH)
+    {
+        let vertices = simplified.each_ref().map(|s| s.mesh.positions.len());
+        step.detail(format!("to {} and {} vertices", vertices[0], vertices[1]));
+        let checked = std::mem::replace(&mut pair.checked, checked);
+        pair.whole = Some(Box::new(Whole { checked, simplified }));
+    }
+    Ok(pair)
 }
 
 pub fn cluster(pair: Pair<()>, step: &Step) -> Result<Pair<Vec<BaseVertices>>> {
@@ -153,6 +168,8 @@ pub fn relax(
     tolerance: f64,
     step: &Step,
 ) -> Result<Pair<Embedded>> {
+    // What polishing does to simple meshes is lost on the way back.
+    let is_final = pair.whole.is_none();
     pair.then(|checked, mut candidates| {
         let meshes = checked.meshes();
         let promises: Vec<f64> = match candidates.len() {
@@ -176,8 +193,8 @@ pub fn relax(
                 relaxing.energies
             }
         };
-        if how == Relaxation::Full {
-            let polish = stage::polish::polish_samples(meshes, &mut embedded.embedding, tolerance)?;
+        if how == Relaxation::Full && is_final {
+            let polish = polish_samples(meshes, &mut embedded.embedding, tolerance, usize::MAX)?;
             if let [first, .., last] = polish.energies.as_slice() {
                 let turned_back = polish.turned_back;
                 step.detail(format!("polish {first:.3} to {last:.3}, {turned_back} sampled triangles turned back"));
@@ -189,6 +206,32 @@ pub fn relax(
         }
         Ok(embedded)
     })
+}
+
+/// Carries the map of simple meshes back to the given ones and relaxes it there a little more; where it cannot be carried
+/// back, the map of the given meshes is made without.
+pub fn lift(
+    mut pair: Pair<Embedded>,
+    compute: &Compute,
+    layout: LayoutMethod,
+    tolerance: f64,
+    step: &Step,
+) -> Result<Pair<Embedded>> {
+    let Some(whole) = pair.whole.take() else { return Ok(pair) };
+    let Whole { checked, simplified } = *whole;
+    let meshes = checked.meshes();
+    let Ok(embedding) = stage::lift::lift(meshes, &simplified, &pair.made.embedding) else {
+        step.detail("mapped without simple meshes");
+        let pair = Pair { outputs: pair.outputs, checked, whole: None, made: () };
+        let traced = trace(cluster(pair, step)?, compute, layout, step)?;
+        let embedded = stretch(embed(traced, layout, step)?, compute, step)?;
+        return relax(embedded, compute, Relaxation::Full, tolerance, step);
+    };
+    let mut made = Embedded { embedding, ..pair.made };
+    let lifted = relax_lifted(compute, meshes, &mut made.embedding, tolerance)?;
+    made.relaxation.energies.extend(lifted.energies);
+    made.relaxation.polish = lifted.polish;
+    Ok(Pair { outputs: pair.outputs, checked, whole: None, made })
 }
 
 pub fn compose(pair: Pair<Embedded>, step: &Step) -> Result<Pair<Finished>> {
@@ -246,7 +289,7 @@ pub fn bake(pair: Pair<Finished>, compute: &Compute, options: &MapOptions, step:
 }
 
 pub fn write(pair: Pair<Baked>, device: &str, page: Option<&PageOptions>, step: &Step) -> Result<Report> {
-    let Pair { outputs, checked, made } = &pair;
+    let Pair { outputs, checked, made, .. } = &pair;
     let shown = page.map(|page| Shown {
         divided: [&made.divided[0], &made.divided[1]],
         figures: &made.figures,

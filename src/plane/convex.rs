@@ -7,6 +7,7 @@ use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
 use super::progressive::embed_progressively;
 use super::stretch::{Frame, e_l2, patch_stretch};
+use crate::mesh::metric;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
@@ -64,6 +65,45 @@ pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Opt
     let (kind, Embedded { positions, .. }) = best?;
     disc.positions = positions;
     Some(kind)
+}
+
+/// Embeds a patch as near as can be to the places its vertices would like to have: as they wish if no triangle turns over,
+/// else by weights that reproduce the wish where the triangles around a vertex are positive. Boundary vertices stay. Where
+/// that fails the patch is embedded without regard to wishes; None if that fails too.
+pub fn embed_near(
+    disc: &mut PatchDisc,
+    points: &[DVec3],
+    frame: &Frame,
+    wishes: &[Option<DVec2>],
+    is_fair: &dyn Fn(&[u32; 3]) -> bool,
+) -> Option<()> {
+    let mut places: Vec<DVec2> = disc.positions.clone();
+    let mut is_sound = vec![true; places.len()];
+    for v in disc.boundary..places.len() {
+        (places[v], is_sound[v]) = wishes[v].map_or((DVec2::ZERO, false), |place| (place, true));
+    }
+    let granted = is_sound.clone();
+    for t in &disc.triangles {
+        let corners = t.map(|v| v as usize);
+        let plane = corners.map(|v| frame.place(places[v]));
+        if !corners.iter().all(|&v| granted[v]) || metric::signed_area(plane) <= 0.0 || !is_fair(t) {
+            corners.iter().for_each(|&v| is_sound[v] = false);
+        }
+    }
+    if (disc.boundary..places.len()).all(|v| is_sound[v]) && is_embedded(disc, &places) {
+        disc.positions = places;
+        return Some(());
+    }
+    let rings = disc.rings();
+    let flat: Vec<DVec3> = places.iter().map(|&p| frame.place(p).extend(0.0)).collect();
+    let weights = (0..rings.len()).map(|v| mean_value(v, &rings[v], if is_sound[v] { &flat } else { points }));
+    let weights: Vec<Vec<f64>> = weights.collect();
+    let solved = System { disc, rings: &rings, symbolic: None }.solve(&weights);
+    match solved.filter(|positions| is_embedded(disc, positions)) {
+        Some(positions) => disc.positions = positions,
+        None => drop(embed_patch(disc, points, frame)?),
+    }
+    Some(())
 }
 
 /// Positions and their E_L2.

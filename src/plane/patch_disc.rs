@@ -47,23 +47,35 @@ pub fn on_grid(share: f64) -> f64 {
 
 fn shares_of(cut: &CutMesh, path: &[HalfedgeId], arc: ArcId) -> Result<Vec<f64>> {
     let lengths: Vec<f64> = path.iter().map(|&h| cut.length(h)).collect();
+    let shares = shares_of_lengths(&lengths);
+    if shares.windows(2).all(|w| w[0] < w[1]) {
+        Ok(shares)
+    } else {
+        Err(Error::bug("the vertices of an arc cannot be told apart").at(arc))
+    }
+}
+
+/// The shares of an arc that rises by the given lengths, small ones padded.
+fn shares_of_lengths(lengths: &[f64]) -> Vec<f64> {
     let (total, mean) = (lengths.iter().sum::<f64>(), 1.0 / lengths.len() as f64);
     let mut shares = vec![0.0];
     let mut walked = 0.0;
     let floor = |length: f64| (length / total).max(LEAST_GAP * mean);
     let padded: f64 = lengths.iter().map(|&l| floor(l)).sum();
-    for &length in &lengths {
+    for &length in lengths {
         walked += floor(length);
         shares.push(on_grid(walked / padded));
     }
     if let Some(last) = shares.last_mut() {
         *last = 1.0;
     }
-    if shares.windows(2).all(|w| w[0] < w[1]) {
-        Ok(shares)
-    } else {
-        Err(Error::bug("the vertices of an arc cannot be told apart").at(arc))
-    }
+    shares
+}
+
+/// Shares that rise from 0 to 1, perhaps not strictly, moved apart so that they do.
+pub fn spread_shares(shares: &[f64]) -> Vec<f64> {
+    let gaps: Vec<f64> = shares.windows(2).map(|w| (w[1] - w[0]).max(0.0)).collect();
+    shares_of_lengths(&gaps)
 }
 
 /// Cuts every patch out of a cut mesh without dividing edges and fixes its boundary.

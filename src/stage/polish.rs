@@ -42,16 +42,21 @@ pub struct Polish {
     pub energies: Vec<f64>,
 }
 
-/// Polishes both compatible meshes. It ends when a round lowers their energy, less that of an isometry, by less than the
-/// share `tolerance`.
-pub fn polish_samples(meshes: [&TriMesh; 2], embedding: &mut Embedding, tolerance: f64) -> Result<Polish> {
+/// Polishes both compatible meshes. It ends after so many rounds, or when one lowers their energy, less that of an isometry,
+/// by less than the share `tolerance`.
+pub fn polish_samples(
+    meshes: [&TriMesh; 2],
+    embedding: &mut Embedding,
+    tolerance: f64,
+    rounds: usize,
+) -> Result<Polish> {
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
     let mut images = locate(meshes, embedding, scale)?;
     let mut turned_back = 0;
     let mut energies = vec![sampled_energy(meshes, &images, scale)];
     let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
-    for (round, dread) in DREAD.into_iter().enumerate() {
+    for (round, dread) in DREAD.into_iter().enumerate().take(rounds) {
         if round > 0 && dread != DREAD[round - 1] {
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }

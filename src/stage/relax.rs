@@ -9,6 +9,7 @@
 
 use super::flip::flip_arcs;
 use super::levels::{Climb, climb};
+use super::polish::polish_samples;
 use super::visits::Visits;
 use crate::deadline;
 use crate::error::Result;
@@ -46,6 +47,9 @@ const LITTLE: f64 = 0.01;
 const LOST: f64 = 10.0;
 /// Rounds of either kind that it gets.
 const ROUNDS_WHERE_LOST: usize = 2;
+
+/// Rounds of polishing for a map that was relaxed on simplified meshes: the first brings nearly all.
+const LIFTED_POLISH: usize = 2;
 
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
@@ -142,6 +146,28 @@ pub fn relax_arcs(
         }
     }
     Ok(relaxing)
+}
+
+/// What the relaxation of a lifted map did.
+#[derive(Clone, Debug)]
+pub struct Lifted {
+    /// The energy before and after.
+    pub energies: Vec<f64>,
+    /// The energies of the compatible meshes, as [`super::polish::Polish`] has them.
+    pub polish: Vec<f64>,
+}
+
+/// Relaxes a map that was relaxed on simplified meshes before. Fails on a device error.
+pub fn relax_lifted(
+    compute: &Compute,
+    meshes: [&TriMesh; 2],
+    embedding: &mut Embedding,
+    tolerance: f64,
+) -> Result<Lifted> {
+    let options = RelaxOptions { coarse_rounds: 0, fine_rounds: 1, tolerance, flips: false };
+    let energies = relax_arcs(compute, meshes, embedding, &options)?.energies;
+    let polish = polish_samples(meshes, embedding, tolerance, LIFTED_POLISH)?.energies;
+    Ok(Lifted { energies, polish })
 }
 
 /// Relaxes the domains at some base vertices once, from coarse to fine.
