@@ -19,7 +19,7 @@ use homeo::stage::cluster::{BaseVertices, cluster};
 use homeo::stage::compose::{Composed, compose};
 use homeo::stage::embed::embed;
 use homeo::stage::layout::layouts;
-use homeo::stage::polish::polish_samples;
+use homeo::stage::polish::{DREAD, polish_samples};
 use homeo::stage::relax::{RelaxOptions, promise, relax_arcs};
 
 /// Maps a pair and checks the layout, the certificate, the images, the landmarks and the boundaries.
@@ -31,7 +31,7 @@ fn map(meshes: [TriMesh; 2], landmarks: [Vec<VertexId>; 2]) -> Composed {
     let (mut embedding, _) = embed(both, layout).expect("an embedding");
     let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, ..RelaxOptions::default() };
     relax_arcs(&Compute::Cpu, both, &mut embedding, &short).expect("a relaxed map");
-    polish_samples(both, &mut embedding, 0.05, usize::MAX).expect("a polished map");
+    polish_samples(both, &mut embedding, 0.05, &DREAD).expect("a polished map");
     check::embedding(&embedding, &meshes);
     let composed = compose(both, embedding).expect("a map");
     assert!(composed.certificate.bijective, "{:?}", composed.certificate);

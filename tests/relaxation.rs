@@ -9,7 +9,7 @@ use homeo::map::embedding::Embedding;
 use homeo::mesh::{ArcId, Id, IdVec, LandmarkId, VertexId};
 use homeo::shape::{Quadruped, quadruped};
 use homeo::stage::flip::{flip_arc, flip_arcs};
-use homeo::stage::polish::polish_samples;
+use homeo::stage::polish::{DREAD, polish_samples};
 use homeo::stage::relax::{RelaxOptions, energy, relax_arcs};
 
 fn pair() -> Pair {
@@ -48,7 +48,7 @@ fn polishing_lowers_the_energy_of_the_compatible_meshes_and_keeps_the_map() {
     let mut embedding = pair.embed().expect("an embedding");
     let short = RelaxOptions { coarse_rounds: 1, fine_rounds: 0, flips: false, ..RelaxOptions::default() };
     relax_arcs(&Compute::Cpu, both, &mut embedding, &short).expect("a relaxed map");
-    let polish = polish_samples(both, &mut embedding, 0.05, usize::MAX).expect("a polished map");
+    let polish = polish_samples(both, &mut embedding, 0.05, &DREAD).expect("a polished map");
     let [first, last] = [polish.energies[0], polish.energies[polish.energies.len() - 1]];
     assert!(last - 1.0 < 0.8 * (first - 1.0), "{:?}", polish.energies);
     check::embedding(&embedding, &pair.meshes);

@@ -190,7 +190,8 @@ impl Lifting {
         ] = points.as_slice()
             && (p.angle_to(*q).abs() - PI).abs() < STRAIGHT
         {
-            let link = self.add(Stop::Vertex(removal.vertex), 0.5 * (s + t));
+            let share = s + (t - s) * p.length() / (p.length() + q.length());
+            let link = self.add(Stop::Vertex(removal.vertex), share);
             self.join(chain[0], link);
             self.join(link, chain[1]);
             return;

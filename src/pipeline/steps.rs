@@ -20,7 +20,7 @@ use crate::stage::cluster::BaseVertices;
 use crate::stage::compose::{CertifiedMap, Composed, images_there, in_file_terms};
 use crate::stage::layout::Layout;
 use crate::stage::load::{LoadOptions, Loaded};
-use crate::stage::polish::polish_samples;
+use crate::stage::polish::{DREAD, polish_samples};
 use crate::stage::refine::RefineOptions;
 use crate::stage::relax::{RelaxOptions, energy, promise, relax_arcs, relax_lifted, relax_patches};
 use crate::stage::simplify::{ENOUGH, Simple, simplify as simplify_pair};
@@ -194,7 +194,7 @@ pub fn relax(
             }
         };
         if how == Relaxation::Full && is_final {
-            let polish = polish_samples(meshes, &mut embedded.embedding, tolerance, usize::MAX)?;
+            let polish = polish_samples(meshes, &mut embedded.embedding, tolerance, &DREAD)?;
             if let [first, .., last] = polish.energies.as_slice() {
                 let turned_back = polish.turned_back;
                 step.detail(format!("polish {first:.3} to {last:.3}, {turned_back} sampled triangles turned back"));
@@ -228,7 +228,8 @@ pub fn lift(
         return relax(embedded, compute, Relaxation::Full, tolerance, step);
     };
     let mut made = Embedded { embedding, ..pair.made };
-    let lifted = relax_lifted(compute, meshes, &mut made.embedding, tolerance)?;
+    let simple = made.relaxation.energies.last().copied().unwrap_or(f64::INFINITY);
+    let lifted = relax_lifted(compute, meshes, &mut made.embedding, tolerance, simple)?;
     made.relaxation.energies.extend(lifted.energies);
     made.relaxation.polish = lifted.polish;
     Ok(Pair { outputs: pair.outputs, checked, whole: None, made })

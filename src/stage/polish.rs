@@ -23,7 +23,9 @@ use std::collections::{HashMap, HashSet};
 
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
 /// an isometry: much at first, when the most can be turned back, then less, so that none stays badly stretched for it.
-const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
+pub const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
+/// The same for large meshes, where a round takes long and the first brings nearly all.
+pub const HASTY_DREAD: [f64; 2] = [3000.0, 300.0];
 /// The round from which on they may end: in those before, the dread falls.
 const EARLIEST_END: usize = 2;
 /// A visit that lowers the energy by a smaller share of the domain's area leaves it settled.
@@ -42,13 +44,13 @@ pub struct Polish {
     pub energies: Vec<f64>,
 }
 
-/// Polishes both compatible meshes. It ends after so many rounds, or when one lowers their energy, less that of an isometry,
-/// by less than the share `tolerance`.
+/// Polishes both compatible meshes, a round for every `dread` of triangles that are turned over. It ends sooner when a round
+/// lowers their energy, less that of an isometry, by less than the share `tolerance`.
 pub fn polish_samples(
     meshes: [&TriMesh; 2],
     embedding: &mut Embedding,
     tolerance: f64,
-    rounds: usize,
+    dread: &[f64],
 ) -> Result<Polish> {
     let scale = unit_scale(meshes);
     let groups = independent_domains(embedding);
@@ -56,13 +58,13 @@ pub fn polish_samples(
     let mut turned_back = 0;
     let mut energies = vec![sampled_energy(meshes, &images, scale)];
     let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
-    for (round, dread) in DREAD.into_iter().enumerate().take(rounds) {
-        if round > 0 && dread != DREAD[round - 1] {
+    for (round, &now) in dread.iter().enumerate() {
+        if round > 0 && now != dread[round - 1] {
             visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
         }
         for (g, group) in groups.iter().enumerate() {
             deadline::check()?;
-            let one = |tiling: &&Tiling| visit(meshes, embedding, &images, tiling, scale, dread);
+            let one = |tiling: &&Tiling| visit(meshes, embedding, &images, tiling, scale, now);
             let results = visits.group(g, group, |due| Ok(due.par_iter().map(one).collect()))?;
             let mut relaxed = Vec::with_capacity(results.len());
             for result in results {
@@ -78,9 +80,9 @@ pub fn polish_samples(
                 group.iter().zip(&relaxed).filter_map(|(t, sides)| Some((t, sides.as_ref()?))).collect();
             recut_all(meshes, embedding, &changed)?;
         }
-        let now = sampled_energy(meshes, &images, scale);
-        let is_settled = now - 1.0 > (energies[round] - 1.0) * (1.0 - tolerance);
-        energies.push(now);
+        let after = sampled_energy(meshes, &images, scale);
+        let is_settled = after - 1.0 > (energies[round] - 1.0) * (1.0 - tolerance);
+        energies.push(after);
         if round >= EARLIEST_END && is_settled {
             break;
         }

@@ -9,7 +9,7 @@
 
 use super::flip::flip_arcs;
 use super::levels::{Climb, climb};
-use super::polish::polish_samples;
+use super::polish::{HASTY_DREAD, polish_samples};
 use super::visits::Visits;
 use crate::deadline;
 use crate::error::Result;
@@ -48,8 +48,10 @@ const LOST: f64 = 10.0;
 /// Rounds of either kind that it gets.
 const ROUNDS_WHERE_LOST: usize = 2;
 
-/// Rounds of polishing for a map that was relaxed on simplified meshes: the first brings nearly all.
-const LIFTED_POLISH: usize = 2;
+/// Most rounds for a map that was relaxed on simplified meshes.
+const LIFTED_ROUNDS: usize = 6;
+/// It needs no further round when what it has more energy than an isometry is that of the simple map but for this share.
+const REGAINED: f64 = 0.05;
 
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
@@ -157,16 +159,26 @@ pub struct Lifted {
     pub polish: Vec<f64>,
 }
 
-/// Relaxes a map that was relaxed on simplified meshes before. Fails on a device error.
+/// Relaxes a map that was relaxed on simplified meshes before, where it had the energy `simple`: one round by the gradient of
+/// the energy, more where the map is not yet what it was there. Fails on a device error.
 pub fn relax_lifted(
     compute: &Compute,
     meshes: [&TriMesh; 2],
     embedding: &mut Embedding,
     tolerance: f64,
+    simple: f64,
 ) -> Result<Lifted> {
-    let options = RelaxOptions { coarse_rounds: 0, fine_rounds: 1, tolerance, flips: false };
-    let energies = relax_arcs(compute, meshes, embedding, &options)?.energies;
-    let polish = polish_samples(meshes, embedding, tolerance, LIFTED_POLISH)?.energies;
+    let mut energies = vec![energy(meshes, embedding)];
+    let groups = independent_domains(embedding);
+    let mut visits = Visits::none(&groups, embedding.base.patches.len(), LITTLE);
+    for _ in 0..LIFTED_ROUNDS {
+        visit_all(compute, meshes, embedding, &groups, &mut visits, Visit::FollowGradient)?;
+        let is_settled = settled(&mut energies, energy(meshes, embedding), tolerance);
+        if is_settled || energies[energies.len() - 1] - 1.0 < (simple - 1.0) * (1.0 + REGAINED) {
+            break;
+        }
+    }
+    let polish = polish_samples(meshes, embedding, tolerance, &HASTY_DREAD)?.energies;
     Ok(Lifted { energies, polish })
 }
 
