@@ -5,7 +5,9 @@
 use criterion::{BatchSize, BenchmarkId, Criterion, criterion_group, criterion_main};
 use homeo::gpu::Compute;
 use homeo::mesh::{TriMesh, VertexId};
-use homeo::shape::DEMO_PAIRS;
+use homeo::path::front::front;
+use homeo::shape::fixture::icosphere;
+use homeo::shape::{DEMO_PAIRS, random_landmarks};
 use homeo::stage::check::Guides;
 use homeo::stage::cluster::BaseVertices;
 use homeo::stage::relax::{RelaxOptions, relax_arcs};
@@ -18,6 +20,9 @@ const LADDER: [usize; 2] = [1_000, 4_000];
 /// Least number of nodes on an edge that arcs may cross it at, as in the main job.
 const EDGE_NODES: u32 = 3;
 
+/// Sources of a front.
+const SITES: usize = 100;
+
 /// Meshes and landmarks.
 struct Pair {
     meshes: [TriMesh; 2],
@@ -29,6 +34,17 @@ fn pair(size: usize) -> Pair {
     let (source, target) = (quadrupeds.generate)(size);
     let landmarks = [&source, &target].map(|shape| shape.landmarks.iter().map(|&(_, v)| v).collect());
     Pair { meshes: [source.mesh, target.mesh], landmarks }
+}
+
+/// Fronts from a hundred sites over spheres of 20,480 to 1,310,720 triangles.
+fn fronts(c: &mut Criterion) {
+    for subdivisions in [5, 6, 7, 8] {
+        let mesh = icosphere(subdivisions);
+        let sites = random_landmarks(&mesh, SITES, 1);
+        let mut group = c.benchmark_group("front");
+        let id = BenchmarkId::from_parameter(mesh.conn.face_count());
+        group.bench_function(id, |b| b.iter(|| black_box(front(&mesh, &sites))));
+    }
 }
 
 fn stages(c: &mut Criterion) {
@@ -82,6 +98,6 @@ criterion_group! {
         .sample_size(10)
         .warm_up_time(Duration::from_millis(200))
         .measurement_time(Duration::from_secs(1));
-    targets = stages
+    targets = fronts, stages
 }
 criterion_main!(benches);

@@ -3,9 +3,9 @@
 //! The front walks from face to face; the step between two neighbours is the distance of their centroids after
 //! unfolding them about the common edge, so distances do not depend on how the surface bends.
 
-use crate::mesh::{FaceId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of, metric};
-use std::cmp::Ordering;
-use std::collections::BinaryHeap;
+use super::bucket::BucketQueue;
+use crate::mesh::{FaceId, HalfedgeId, Id, IdVec, LandmarkId, TriMesh, VertexId, corner, face_of, prev};
+use rayon::prelude::*;
 
 /// What a front leaves behind: for every face the nearest source and the distance to it.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,49 +16,58 @@ pub struct Front {
     pub distance: IdVec<FaceId, f64>,
 }
 
-/// An entry of the queue; the smallest distance comes first, ties go to the lower source, then the lower face.
-#[derive(PartialEq)]
-struct Arrival(f64, LandmarkId, FaceId);
-
-impl Eq for Arrival {}
-
-impl Ord for Arrival {
-    fn cmp(&self, other: &Self) -> Ordering {
-        other.0.total_cmp(&self.0).then(other.1.cmp(&self.1)).then(other.2.cmp(&self.2))
-    }
-}
-
-impl PartialOrd for Arrival {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-/// Runs one front from all `sources` at once; every face is labelled with the source that reaches it first.
+/// Runs one front from all `sources` at once; every face is labelled with the source that reaches it first, of several at
+/// one distance with the lowest.
 pub fn front(mesh: &TriMesh, sources: &[VertexId]) -> Front {
     let faces = mesh.conn.face_count();
-    let mut source = IdVec::filled(None, faces);
-    let mut distance = IdVec::filled(f64::INFINITY, faces);
-    let mut queue = BinaryHeap::new();
+    let steps = steps(mesh);
+    let longest = steps.iter().copied().fold(0.0, f64::max);
+    let mean = steps.iter().sum::<f64>() / steps.len().max(1) as f64;
+    let mut front = Front { source: IdVec::filled(None, faces), distance: IdVec::filled(f64::INFINITY, faces) };
+    let mut queue = BucketQueue::new(faces, mean, longest);
     for (i, &v) in sources.iter().enumerate() {
-        for h in mesh.conn.outgoing(v) {
-            let f = face_of(h);
-            queue.push(Arrival(centroid(mesh, f).distance(mesh.positions[v]), LandmarkId::new(i), f));
+        for f in mesh.conn.outgoing(v).map(face_of) {
+            front.arrive(&mut queue, f, centroid(mesh, f).distance(mesh.positions[v]), LandmarkId::new(i));
         }
     }
-    while let Some(Arrival(d, label, f)) = queue.pop() {
-        if source[f].is_some() {
-            continue;
-        }
-        source[f] = Some(label);
-        distance[f] = d;
-        for i in 0..3 {
-            if let Some(t) = mesh.conn.twin(corner(f, i)).filter(|&t| source[face_of(t)].is_none()) {
-                queue.push(Arrival(d + step(mesh, f, i, face_of(t), t.index() % 3), label, face_of(t)));
+    while let Some(f) = queue.pop().map(FaceId) {
+        let (d, Some(label)) = (front.distance[f], front.source[f]) else { continue };
+        for h in (0..3).map(|i| corner(f, i)) {
+            if let Some(t) = mesh.conn.twin(h) {
+                front.arrive(&mut queue, face_of(t), d + steps[h.index()], label);
             }
         }
     }
-    Front { source, distance }
+    front
+}
+
+impl Front {
+    /// Takes note that a source is so far from a face, if none is nearer.
+    #[inline]
+    fn arrive(&mut self, queue: &mut BucketQueue, f: FaceId, d: f64, label: LandmarkId) {
+        let known = self.distance[f];
+        if d < known || (d == known && self.source[f].is_none_or(|other| label < other)) {
+            self.distance[f] = d;
+            self.source[f] = Some(label);
+            queue.push(f.0, d);
+        }
+    }
+}
+
+/// For every half-edge the step from the face at its left to the one behind it; zero on the boundary.
+fn steps(mesh: &TriMesh) -> Vec<f64> {
+    let conn = &mesh.conn;
+    let first = |h: HalfedgeId| match conn.twin(h) {
+        Some(t) if h < t => step(mesh, h, t),
+        _ => 0.0,
+    };
+    let mut steps: Vec<f64> = (0..3 * conn.face_count()).into_par_iter().map(|h| first(HalfedgeId::new(h))).collect();
+    for h in conn.halfedges() {
+        if let Some(t) = conn.twin(h).filter(|&t| t < h) {
+            steps[h.index()] = steps[t.index()];
+        }
+    }
+    steps
 }
 
 fn centroid(mesh: &TriMesh, f: FaceId) -> glam::DVec3 {
@@ -66,11 +75,49 @@ fn centroid(mesh: &TriMesh, f: FaceId) -> glam::DVec3 {
     (a + b + c) / 3.0
 }
 
-/// Distance between the centroids of `f` and `g` unfolded about their common edge: side `i` of `f`, side `j` of `g`.
-fn step(mesh: &TriMesh, f: FaceId, i: usize, g: FaceId, j: usize) -> f64 {
-    let turned = |t: [glam::DVec3; 3], i: usize| [t[i], t[(i + 1) % 3], t[(i + 2) % 3]];
-    let [_, p, q] = metric::flatten(turned(mesh.triangle(f), i));
-    let [_, r, s] = metric::flatten(turned(mesh.triangle(g), j));
-    let along = (p.x + q.x) / 3.0 - (r.x - (r.x + s.x) / 3.0);
-    along.hypot((q.y + s.y) / 3.0)
+/// Distance between the centroids of the faces at both halves of an edge, unfolded about it: a third of that of the corners
+/// opposite to the edge.
+fn step(mesh: &TriMesh, h: HalfedgeId, t: HalfedgeId) -> f64 {
+    let at = |h: HalfedgeId| mesh.positions[mesh.conn.from(h)];
+    let (start, edge) = (at(h), at(t) - at(h));
+    let length = edge.length();
+    let [(x, y), (z, w)] = [at(prev(h)) - start, at(prev(t)) - start].map(|far| match length > 0.0 {
+        true => (far.dot(edge) / length, far.cross(edge).length() / length),
+        false => (0.0, far.length()),
+    });
+    (x - z).hypot(y + w) / 3.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::fixture::{disc, uneven};
+    use crate::shape::random_landmarks;
+
+    /// Every face has the least of what its neighbours and the sources at its corners offer, of several the lowest source.
+    #[test]
+    fn no_face_is_offered_anything_better() {
+        for mesh in [disc(9), uneven(20.0, 16)] {
+            let sources = random_landmarks(&mesh, 7, 3);
+            let Front { source, distance } = front(&mesh, &sources);
+            let mut best: IdVec<FaceId, (f64, Option<LandmarkId>)> =
+                IdVec::filled((f64::INFINITY, None), mesh.conn.face_count());
+            let mut offer = |f: FaceId, d: f64, label: Option<LandmarkId>| {
+                if d < best[f].0 || (d == best[f].0 && label < best[f].1) {
+                    best[f] = (d, label);
+                }
+            };
+            for (i, &v) in sources.iter().enumerate() {
+                for f in mesh.conn.outgoing(v).map(face_of) {
+                    offer(f, centroid(&mesh, f).distance(mesh.positions[v]), Some(LandmarkId::new(i)));
+                }
+            }
+            for h in mesh.conn.halfedges() {
+                let Some(t) = mesh.conn.twin(h) else { continue };
+                let (f, g) = (face_of(h), face_of(t));
+                offer(g, distance[f] + step(&mesh, h.min(t), h.max(t)), source[f]);
+            }
+            assert!(mesh.conn.faces().all(|f| best[f] == (distance[f], source[f])));
+        }
+    }
 }
