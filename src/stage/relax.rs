@@ -9,7 +9,7 @@
 
 use super::flip::flip_arcs;
 use super::levels::{Climb, climb};
-use super::polish::{HASTY_DREAD, polish_samples};
+use super::polish::{DREAD, HASTY_DREAD, polish_samples};
 use super::visits::Visits;
 use crate::deadline;
 use crate::error::Result;
@@ -52,6 +52,9 @@ const ROUNDS_WHERE_LOST: usize = 2;
 const LIFTED_ROUNDS: usize = 6;
 /// It needs no further round when what it has more energy than an isometry is that of the simple map but for this share.
 const REGAINED: f64 = 0.05;
+
+/// Vertices of both meshes together above which polishing is cut short.
+const HASTY_FROM: usize = 200_000;
 
 /// How far the map is relaxed.
 #[derive(Clone, Copy, Debug)]
@@ -178,7 +181,9 @@ pub fn relax_lifted(
             break;
         }
     }
-    let polish = polish_samples(meshes, embedding, tolerance, &HASTY_DREAD)?.energies;
+    let vertices: usize = meshes.iter().map(|mesh| mesh.positions.len()).sum();
+    let dread: &[f64] = if vertices > HASTY_FROM { &HASTY_DREAD } else { &DREAD };
+    let polish = polish_samples(meshes, embedding, tolerance, dread)?.energies;
     Ok(Lifted { energies, polish })
 }
 
