@@ -376,7 +376,7 @@ impl<'a> Merging<'a> {
         for (p, place) in inside {
             let weights = removal.fan().map(|i| {
                 let places = [apex, i, removal.after(i)].map(|k| removal.places[k]);
-                (i, weights_at(places, place))
+                (i, metric::barycentric(places, place))
             });
             let least = |w: &[f64; 3]| w.iter().copied().fold(f64::INFINITY, f64::min);
             let best = weights.max_by(|a, b| least(&a.1).total_cmp(&least(&b.1)));
@@ -454,13 +454,6 @@ impl<'a> Merging<'a> {
 fn roundness([a, b, c]: [DVec3; 3]) -> f64 {
     let sides_sq = a.distance_squared(b) + b.distance_squared(c) + c.distance_squared(a);
     4.0 * 3f64.sqrt() * metric::area([a, b, c]) / sides_sq
-}
-
-/// Weights of a triangle's corners that make up a point.
-fn weights_at([a, b, c]: [DVec2; 3], p: DVec2) -> [f64; 3] {
-    let areas = [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)];
-    let whole = (b - a).perp_dot(c - a);
-    areas.map(|x| x / whole)
 }
 
 /// Weights that rounding may have taken out of the triangle.

@@ -52,11 +52,10 @@ enum Stop {
     Face(Corners, [f64; 3]),
 }
 
-/// A stop of an arc and those before and behind it.
+/// A stop of an arc and the one behind it.
 struct Link {
     stop: Stop,
     share: f64,
-    before: u32,
     behind: u32,
 }
 
@@ -100,9 +99,7 @@ impl Lifting {
                     SurfacePoint::Face(f, weights) => in_triangle(conn.face(f).map(|v| simplified.kept[v]), weights),
                 };
                 let before = if i == 0 { NONE } else { lifting.links.len() as u32 - 1 };
-                let link = lifting.links.len() as u32;
-                lifting.links.push(Link { stop, share, before: NONE, behind: NONE });
-                lifting.place(link, stop);
+                let link = lifting.add(stop, share);
                 lifting.join(before, link);
             }
         }
@@ -121,7 +118,7 @@ impl Lifting {
 
     fn add(&mut self, stop: Stop, share: f64) -> u32 {
         let link = self.links.len() as u32;
-        self.links.push(Link { stop, share, before: NONE, behind: NONE });
+        self.links.push(Link { stop, share, behind: NONE });
         self.place(link, stop);
         link
     }
@@ -129,9 +126,6 @@ impl Lifting {
     fn join(&mut self, before: u32, behind: u32) {
         if before != NONE {
             self.links[before as usize].behind = behind;
-        }
-        if behind != NONE {
-            self.links[behind as usize].before = before;
         }
     }
 
@@ -380,15 +374,7 @@ fn in_triangle(triangle: [VertexId; 3], weights: [f64; 3]) -> Stop {
 fn in_face(mesh: &TriMesh, [a, b, c]: Corners, weights: [f64; 3]) -> Option<SurfacePoint> {
     let around = mesh.conn.outgoing(a).map(face_of);
     let f = around.into_iter().find(|&f| corners(mesh.face(f)) == [a, b, c])?;
-    let weight = |v: VertexId| {
-        weights[if v == a {
-            0
-        } else if v == b {
-            1
-        } else {
-            2
-        }]
-    };
+    let weight = |v: VertexId| [a, b, c].iter().position(|&w| w == v).map_or(0.0, |k| weights[k]);
     Some(SurfacePoint::Face(f, mesh.face(f).map(weight)))
 }
 

@@ -150,8 +150,6 @@ fn curves(embedded: &EmbeddedMesh, base: &BaseComplex) -> IdVec<ArcId, Curve> {
 
 /// The weights of a triangle's corners that make up a point, all in barycentric coordinates of one face.
 fn weights_in(corners: [[f64; 3]; 3], point: [f64; 3]) -> [f64; 3] {
-    let [a, b, c] = corners.map(|x| DVec2::new(x[1], x[2]));
-    let p = DVec2::new(point[1], point[2]);
-    let whole = (b - a).perp_dot(c - a);
-    [(b - p).perp_dot(c - p), (c - p).perp_dot(a - p), (a - p).perp_dot(b - p)].map(|area| area / whole)
+    let flat = |x: [f64; 3]| DVec2::new(x[1], x[2]);
+    metric::barycentric(corners.map(flat), flat(point))
 }
