@@ -79,9 +79,10 @@ fn texels(@builtin(global_invocation_id) id: vec3<u32>) {
             let sum = at_a + at_b + at_c;
             if (sum > 0.0) {
                 if (texel.covers == 0u) {
+                    let per_sum = 1.0 / sum;
                     texel.triangle = candidates[k];
-                    texel.w1 = at_b / sum;
-                    texel.w2 = at_c / sum;
+                    texel.w1 = at_b * per_sum;
+                    texel.w2 = at_c * per_sum;
                 }
                 texel.covers += 1u;
             }

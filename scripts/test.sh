@@ -23,10 +23,12 @@ has_driver() {
     ((${#drivers[@]} > 0))
 }
 
-# True if there is what tests/browser/run.sh needs.
-has_browser() {
+has_node() {
+    command -v node >/dev/null && command -v npm >/dev/null
+}
+
+has_chromium() {
     local name
-    command -v node >/dev/null && command -v npm >/dev/null || return 1
     [[ -n ${HOMEO_CHROMIUM:-} ]] && return 0
     for name in chromium chromium-browser google-chrome; do
         command -v "$name" >/dev/null && return 0
@@ -57,7 +59,9 @@ install() {
 export HOMEO_REQUIRE_BROWSER=${HOMEO_REQUIRE_BROWSER:-1} # without a browser its test fails instead of being skipped
 has_driver || install "Vulkan driver" mesa-vulkan-drivers libvulkan1
 if [[ $HOMEO_REQUIRE_BROWSER == 1 ]]; then
-    has_browser || install "browser with Node.js" chromium nodejs npm
+    # One by one: a Node.js from elsewhere may bring its npm along, and Debian's does not go with it.
+    has_node || install Node.js nodejs npm
+    has_chromium || install browser chromium
 fi
 
 runtime=$(mktemp -d)

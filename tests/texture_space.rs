@@ -175,7 +175,7 @@ fn infinite_padding_leaves_nothing_empty() {
     let canvas = Canvas::new(150, 170, &uv.corners);
     let mut rows = 0;
     canvas
-        .bands(&Compute::Cpu, Padding::Infinite, |band| {
+        .bands(&Compute::Cpu, Padding::Infinite, None, |band| {
             assert_eq!(band.first_row, rows);
             rows += band.rows;
             assert!(band.texels.iter().all(|t| t.triangle < 8 * 9));

@@ -10,7 +10,7 @@ use super::udim::{beside, file_of, is_pattern};
 use super::uv::{Tile, UvTriangles};
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
-use crate::kernel::{Lanes, texel_values};
+use crate::kernel::Lanes;
 use crate::mesh::io::MeshFile;
 use crate::stage::exr::{BandSink, Compression, Format, write_bands};
 use crate::stage::write::OutputFile;
@@ -107,15 +107,10 @@ fn bake_tile(
     let format = |names| Format { size: [options.size; 2], names, compression: options.compression };
     write_bands(format(names), &metadata(name, unit)?, image.writer(), |image| {
         write_bands(format(&["Y"]), &metadata("mask", "1 inside, 0 outside")?, mask.writer(), |mask| {
-            let mut pixels = Vec::new();
-            canvas.bands(compute, options.padding, |band| {
+            canvas.bands(compute, options.padding, Some(values), |band| {
                 count(band, polygons, report);
                 write_mask(band, mask)?;
-                texel_values(compute, &band.texels, values, &mut pixels)?;
-                if options.map.is_direction() {
-                    pixels.par_iter_mut().for_each(|p| *p = Vec4::from_array(*p).normalize_or_zero().to_array());
-                }
-                write_planes(&pixels, names.len(), image)
+                write_planes(&band.pixels, names.len(), options.map.is_direction(), image)
             })
         })
     })
@@ -140,8 +135,11 @@ fn write_mask(band: &Band, sink: &mut BandSink) -> Result<()> {
     sink(&[&inside])
 }
 
-/// Hands over the first lanes of pixels, the last channel first: `B`, `G`, `R`.
-fn write_planes(pixels: &[Lanes], channels: usize, sink: &mut BandSink) -> Result<()> {
+/// Hands over the first lanes of pixels, as unit vectors if they are `directions`, the last channel first: `B`, `G`, `R`.
+fn write_planes(pixels: &[Lanes], channels: usize, directions: bool, sink: &mut BandSink) -> Result<()> {
+    let unit = |p: &Lanes| Vec4::from_array(*p).normalize_or_zero().to_array();
+    let units: Vec<Lanes> = if directions { pixels.par_iter().map(unit).collect() } else { Vec::new() };
+    let pixels = if directions { &units } else { pixels };
     let planes: Vec<Vec<f32>> = (0..channels).rev().map(|k| pixels.par_iter().map(|p| p[k]).collect()).collect();
     sink(&planes.iter().map(Vec::as_slice).collect::<Vec<_>>())
 }

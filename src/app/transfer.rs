@@ -136,7 +136,7 @@ impl Carriage<'_> {
             let seen = self.onto.seen_from(tile);
             let canvas = Canvas::new(size, size, &seen);
             let mut pixels = Vec::with_capacity(size * size);
-            canvas.bands(compute, options.padding, |band| {
+            canvas.bands(compute, options.padding, None, |band| {
                 let shown: Vec<Option<[f32; 4]>> = band.texels.par_iter().map(|t| self.shown(&canvas, t)).collect();
                 let inside = || band.texels.iter().zip(&shown).filter(|(t, _)| t.covers > 0);
                 report.covered += inside().count();

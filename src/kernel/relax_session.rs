@@ -202,7 +202,7 @@ impl CpuState {
     }
 
     fn stretches(&self, triangles: &[[u32; 3]], surface: &[Lanes]) -> Vec<Stretch> {
-        stretch::reference(triangles, &self.positions, surface)
+        stretch::reference(triangles, &self.positions, surface).expect("the lists of incident triangles have them all")
     }
 
     fn run(&mut self, triangles: &[[u32; 3]], surface: &[Lanes], options: &RelaxOptions) {

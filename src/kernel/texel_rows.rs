@@ -6,11 +6,11 @@
 //! the edges cross the row, and verified by the areas that decide for single texels: what comes out is the same.
 
 use super::texels::{FlatTriangle, Texel};
-use glam::{BVec4A, Vec4};
+use glam::{BVec4A, Vec4, Vec4Swizzles};
 use std::ops::Range;
 
-/// Rows of at most this many texels are tried one by one, which is cheaper than to look for the ends.
-const NARROW: usize = 4;
+/// Rows of at most this many texels are tried all at once, which is cheaper than to look for the ends.
+pub(super) const NARROW: usize = 4;
 /// The smallest positive number: areas above its opposite are those from zero on.
 const LEAST: f32 = f32::from_bits(1);
 
@@ -81,11 +81,6 @@ impl Row<'_> {
     #[inline]
     pub fn inside(&self, columns: Range<u32>) -> Range<u32> {
         let Range { start, end } = columns;
-        if columns.len() <= NARROW {
-            let first = columns.into_iter().find(|&column| self.holds(column)).unwrap_or(end);
-            let behind = (first..end).find(|&column| !self.holds(column)).unwrap_or(end);
-            return first..behind;
-        }
         let low = Vec4::select(self.edges.last, self.crossing, Vec4::NEG_INFINITY).max_element();
         let high = Vec4::select(self.edges.first, self.crossing, Vec4::INFINITY).min_element();
         // The first column with its centre beyond a place.
@@ -114,27 +109,96 @@ impl Row<'_> {
     /// Covers the texels of a row from column `first` on, which lie inside triangle `t`.
     #[inline]
     pub fn cover(&self, line: &mut [Texel], first: u32, t: u32) {
-        let Edges { x, dy, sign, .. } = self.edges;
-        let [rise, x, dy, sign] = [self.rise, *x, *dy, *sign].map(|v| v.to_array().map(Vec4::splat));
-        let mut u = Vec4::splat(first as f32) + Vec4::new(0.0, 1.0, 2.0, 3.0) + 0.5;
+        let [a, b, c] = self.for_four();
+        let mut u = Vec4::splat(first as f32) + CENTRES;
         for piece in line.chunks_mut(4) {
-            let [at_a, at_b, at_c] = [0, 1, 2].map(|k| (rise[k] - dy[k] * (u - x[k])) * sign[k]);
-            let sum = at_a + at_b + at_c;
-            let (w1, w2) = ((at_b / sum).to_array(), (at_c / sum).to_array());
-            let is_inside = sum.cmpgt(Vec4::ZERO);
-            if is_inside.all() && piece.len() == 4 && piece.iter().all(|texel| texel.covers == 0) {
-                for (i, texel) in piece.iter_mut().enumerate() {
-                    *texel = Texel { triangle: t, covers: 1, w1: w1[i], w2: w2[i] };
-                }
+            let weighed = Weighed::new([a.areas(u), b.areas(u), c.areas(u)], t);
+            if weighed.is_inside.all() && piece.len() == 4 && piece.iter().all(|texel| texel.covers == 0) {
+                piece.iter_mut().enumerate().for_each(|(i, texel)| *texel = weighed.texel(i));
             } else {
-                for (i, texel) in piece.iter_mut().enumerate().filter(|&(i, _)| is_inside.test(i)) {
-                    if texel.covers == 0 {
-                        *texel = Texel { triangle: t, covers: 0, w1: w1[i], w2: w2[i] };
-                    }
-                    texel.covers += 1;
-                }
+                let inside = piece.iter_mut().enumerate().filter(|&(i, _)| weighed.is_inside.test(i));
+                inside.for_each(|(i, texel)| weighed.put(i, texel));
             }
             u += 4.0;
+        }
+    }
+
+    /// Covers those of at most [`NARROW`] texels from column `first` on that lie inside triangle `t`.
+    #[inline]
+    pub fn cover_narrow(&self, line: &mut [Texel], first: u32, t: u32) {
+        let u = Vec4::splat(first as f32) + CENTRES;
+        let [at_a, at_b, at_c] = self.for_four().each_ref().map(|edge| edge.areas(u));
+        let above = self.edges.above;
+        let held = at_a.cmpgt(above.xxxx()) & at_b.cmpgt(above.yyyy()) & at_c.cmpgt(above.zzzz());
+        if held.any() {
+            let weighed = Weighed::new([at_a, at_b, at_c], t);
+            let inside = (held & weighed.is_inside).bitmask();
+            let inside = line.iter_mut().enumerate().filter(|&(i, _)| inside >> i & 1 == 1);
+            inside.for_each(|(i, texel)| weighed.put(i, texel));
+        }
+    }
+
+    /// The edges once for each of four texels.
+    #[inline]
+    fn for_four(&self) -> [RowEdge; 3] {
+        let Edges { x, dy, sign, .. } = self.edges;
+        [
+            RowEdge { rise: self.rise.xxxx(), x: x.xxxx(), dy: dy.xxxx(), sign: sign.xxxx() },
+            RowEdge { rise: self.rise.yyyy(), x: x.yyyy(), dy: dy.yyyy(), sign: sign.yyyy() },
+            RowEdge { rise: self.rise.zzzz(), x: x.zzzz(), dy: dy.zzzz(), sign: sign.zzzz() },
+        ]
+    }
+}
+
+/// One of the edges beside the texels of a row, the same in all lanes.
+struct RowEdge {
+    rise: Vec4,
+    x: Vec4,
+    dy: Vec4,
+    sign: Vec4,
+}
+
+impl RowEdge {
+    /// The areas that four places along the row span with it.
+    #[inline]
+    fn areas(&self, u: Vec4) -> Vec4 {
+        (self.rise - self.dy * (u - self.x)) * self.sign
+    }
+}
+
+/// From the border of a column to its centre, and to those of the next three.
+const CENTRES: Vec4 = Vec4::new(0.5, 1.5, 2.5, 3.5);
+
+/// The weights of a triangle's corners at four texels.
+struct Weighed {
+    triangle: u32,
+    w1: [f32; 4],
+    w2: [f32; 4],
+    /// Where the triangle has an area.
+    is_inside: BVec4A,
+}
+
+impl Weighed {
+    #[inline]
+    fn new([at_a, at_b, at_c]: [Vec4; 3], triangle: u32) -> Weighed {
+        let sum = at_a + at_b + at_c;
+        let per_sum = Vec4::ONE / sum;
+        let is_inside = sum.cmpgt(Vec4::ZERO);
+        Weighed { triangle, w1: (at_b * per_sum).to_array(), w2: (at_c * per_sum).to_array(), is_inside }
+    }
+
+    #[inline]
+    fn texel(&self, i: usize) -> Texel {
+        Texel { triangle: self.triangle, covers: 1, w1: self.w1[i], w2: self.w2[i] }
+    }
+
+    /// Covers the i-th texel; the first triangle owns it.
+    #[inline]
+    fn put(&self, i: usize, texel: &mut Texel) {
+        if texel.covers == 0 {
+            *texel = self.texel(i);
+        } else {
+            texel.covers += 1;
         }
     }
 }

@@ -12,12 +12,11 @@ use crate::gpu::{Access, Compute, GpuDevice, Kernel};
 
 use super::resample::{Query, resample};
 use super::rings::Lists;
-use super::texel_rows::Edges;
+use super::texel_rows::{Edges, NARROW};
 use super::{GRAIN, Lanes, check_len};
 use glam::Vec4;
 use rayon::prelude::*;
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 /// `kernels/texels.wgsl`.
 pub const KERNEL: Kernel = Kernel {
@@ -132,17 +131,21 @@ pub fn texel_values(compute: &Compute, texels: &[Texel], values: &[[Lanes; 3]], 
         *shown = resample(compute, &queries, values.as_flattened())?;
         return Ok(());
     }
-    let missing = AtomicBool::new(false);
-    let value = |texel: &Texel| match (texel.triangle, values.get(texel.triangle as usize)) {
-        (_, Some(corners)) => interpolate(corners, texel.weights()),
-        (NO_TRIANGLE, None) => [0.0; 4],
-        (_, None) => {
-            missing.store(true, Ordering::Relaxed);
-            [0.0; 4]
-        }
-    };
-    texels.par_iter().with_min_len(GRAIN).map(value).collect_into_vec(shown);
-    if missing.into_inner() { Err(Error::bug("a texel of a triangle without values")) } else { Ok(()) }
+    let is_missing = |t: &Texel| t.triangle != NO_TRIANGLE && t.triangle as usize >= values.len();
+    if texels.par_iter().with_min_len(GRAIN).any(is_missing) {
+        return Err(Error::bug("a texel of a triangle without values"));
+    }
+    texels.par_iter().with_min_len(GRAIN).map(|texel| self::shown(texel, values)).collect_into_vec(shown);
+    Ok(())
+}
+
+/// The CPU twin of it for a texel whose triangle has values.
+#[inline]
+pub fn shown(texel: &Texel, values: &[[Lanes; 3]]) -> Lanes {
+    match texel.triangle {
+        NO_TRIANGLE => [0.0; 4],
+        t => interpolate(&values[t as usize], texel.weights()),
+    }
 }
 
 /// A texel as a question to [`resample()`].
@@ -220,10 +223,14 @@ fn reference(lines: &mut [&mut [Texel]], triangles: &[FlatTriangle], numbers: &[
         let edges = Edges::of(triangle);
         for row in y {
             let edges = edges.along(row);
+            let line = &mut lines[row as usize];
+            if x.len() <= NARROW {
+                edges.cover_narrow(&mut line[x.start as usize..x.end as usize], x.start, t);
+                continue;
+            }
             let inside = edges.inside(x.clone());
             if !inside.is_empty() {
-                let line = &mut lines[row as usize][inside.start as usize..inside.end as usize];
-                edges.cover(line, inside.start, t);
+                edges.cover(&mut line[inside.start as usize..inside.end as usize], inside.start, t);
             }
         }
     }

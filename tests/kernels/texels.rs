@@ -83,7 +83,8 @@ fn one_by_one(width: u32, height: u32, triangles: &[FlatTriangle]) -> Vec<Texel>
             let sum = at_a + at_b + at_c;
             if holds(at_a, b, c) && holds(at_b, c, a) && holds(at_c, a, b) && sum > 0.0 {
                 if texel.covers == 0 {
-                    texel = Texel { triangle: t, covers: 0, w1: at_b / sum, w2: at_c / sum };
+                    let per_sum = 1.0 / sum;
+                    texel = Texel { triangle: t, covers: 0, w1: at_b * per_sum, w2: at_c * per_sum };
                 }
                 texel.covers += 1;
             }
