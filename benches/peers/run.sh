@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Times baking, transfer and fronts beside other people's programs; see README.md beside this file.
+# Times baking, transfer, fronts and discs beside other people's programs; see README.md beside this file.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 
@@ -11,7 +11,7 @@ if [[ ! -e $peers/complete ]]; then
     rm -rf "$peers"
     python3 -m venv "$peers"
     "$peers/bin/pip" install --quiet --disable-pip-version-check numpy pillow scipy
-    for package in open3d pymeshlab; do
+    for package in open3d pymeshlab libigl; do
         "$peers/bin/pip" install --quiet --disable-pip-version-check "$package" || echo "run.sh: no $package here" >&2
     done
     touch "$peers/complete"
@@ -19,6 +19,7 @@ fi
 
 if (($# == 0)); then
     "$peers/bin/python" -B "$here/fronts.py"
+    "$peers/bin/python" -B "$here/discs.py" || echo "run.sh: no discs beside others here" >&2
     (cd "$here/../.." && cargo build --release)
     set -- "${CARGO_TARGET_DIR:-$here/../../target}/release/homeo"
 fi

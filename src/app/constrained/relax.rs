@@ -19,7 +19,7 @@ use glam::DVec2;
 /// Newton steps of a round.
 const STEPS: usize = 1;
 /// Sweeps of a round.
-const SWEEPS: usize = 4;
+const SWEEPS: usize = 2;
 /// A round that lowers the energy by a smaller share is the last.
 const SETTLED: f64 = 2e-3;
 
