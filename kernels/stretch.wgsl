@@ -1,8 +1,8 @@
 // Stretch of every triangle: singular values of the affine map from positions `source` to positions `image`.
 // Reference: src/kernel/stretch.rs.
 
-// Edges are measured in units of the power of two below their triangle's longest component, and that component must lie in
-// this range: beyond it, areas leave the range of f32.
+// Edges are measured in units of their triangle's longest component, and that unit must lie in this range: beyond it,
+// areas leave the range of f32.
 const MIN_LENGTH: f32 = 1e-12;
 const MAX_LENGTH: f32 = 1e12;
 // Twice the area, in those units, below which a triangle has no height: coordinates of order one in f32 say nothing
@@ -10,9 +10,6 @@ const MAX_LENGTH: f32 = 1e12;
 const MIN_DOUBLE_AREA: f32 = 1e-8;
 // Squares below this count as zero, so that devices which flush denormal numbers agree with those which do not.
 const MIN_SQUARE: f32 = 1e-24;
-// The bits of the exponent of an f32, and what gives, less the bits of a power of two, those of one over it.
-const EXPONENT: u32 = 0x7f800000u;
-const INVERSE: u32 = 0x7f000000u;
 
 @group(0) @binding(0) var<uniform> params: Span;
 @group(0) @binding(1) var<storage, read> triangles: array<Triangle>;
@@ -65,30 +62,26 @@ fn stretch(@builtin(global_invocation_id) id: vec3<u32>) {
     let w = source[t.c].xyz - source[t.a].xyz;
     let p = image[t.b].xyz - image[t.a].xyz;
     let q = image[t.c].xyz - image[t.a].xyz;
-    let longest_from = longest(u, w);
-    let longest_to = longest(p, q);
+    let unit = longest(u, w);
+    let image_unit = longest(p, q);
     var result = Stretch(0.0, 0.0, 0.0, 0.0);
-    if (longest_from >= MIN_LENGTH && longest_from <= MAX_LENGTH && longest_to <= MAX_LENGTH) {
-        let exponent = bitcast<u32>(longest_from) & EXPONENT;
-        let unit = bitcast<f32>(exponent);
-        let per_unit = bitcast<f32>(INVERSE - exponent);
+    if (unit >= MIN_LENGTH && unit <= MAX_LENGTH && image_unit <= MAX_LENGTH) {
+        let per_unit = 1.0 / unit;
         let su = u * per_unit;
         let sw = w * per_unit;
         let twice = double_area(su, sw);
         if (twice >= MIN_DOUBLE_AREA) {
             result.area_from = 0.5 * twice * unit * unit;
         }
-        if (longest_to >= MIN_LENGTH) {
-            let image_exponent = bitcast<u32>(longest_to) & EXPONENT;
-            let image_unit = bitcast<f32>(image_exponent);
-            let per_image_unit = bitcast<f32>(INVERSE - image_exponent);
+        if (image_unit >= MIN_LENGTH) {
+            let per_image_unit = 1.0 / image_unit;
             let sp = p * per_image_unit;
             let sq = q * per_image_unit;
             let image_twice = double_area(sp, sq);
             result.area_to = 0.5 * image_twice * image_unit * image_unit;
             if (twice >= MIN_DOUBLE_AREA) {
                 let s = singular_values(su, sw, twice, sp, sq, image_twice);
-                let ratio = image_unit * per_unit;
+                let ratio = image_unit / unit;
                 result.large = s.x * ratio;
                 result.small = s.y * ratio;
             }

@@ -19,7 +19,7 @@ pub const KERNEL: Kernel = Kernel {
     buffers: &[Access::Read, Access::Read, Access::Read, Access::ReadWrite],
 };
 
-/// Edges are measured in units of the power of two below their triangle's longest component, and that component must lie in
+/// Edges are measured in units of their triangle's longest component, and that unit must lie in
 /// `MIN_LENGTH..=MAX_LENGTH`: beyond it, areas leave the range of f32.
 pub const MIN_LENGTH: f32 = 1e-12;
 /// See [`MIN_LENGTH`].
@@ -29,11 +29,6 @@ pub const MAX_LENGTH: f32 = 1e12;
 pub const MIN_DOUBLE_AREA: f32 = 1e-8;
 /// Squares below this count as zero, so that devices which flush denormal numbers agree with those which do not.
 pub const MIN_SQUARE: f32 = 1e-24;
-
-/// The bits of the exponent of an f32.
-const EXPONENT: u32 = 0x7f80_0000;
-/// Less the bits of a power of two, the bits of one over it.
-const INVERSE: u32 = 0x7f00_0000;
 
 /// How an affine map stretches one triangle.
 ///
@@ -209,19 +204,18 @@ fn gather(triangles: &[[u32; 3]; BLOCK], [source, image]: [&[Lanes]; 2], edges: 
 /// branch: what has no meaning is computed and dropped, so that many triangles go together.
 #[inline(always)]
 fn of_triangle(u: Vec3, w: Vec3, p: Vec3, q: Vec3) -> Stretch {
-    let longest_from = longest(u, w);
-    let longest_to = longest(p, q);
-    let ([unit, per_unit], [image_unit, per_image_unit]) = (units(longest_from), units(longest_to));
-    let (u, w) = (times(u, per_unit), times(w, per_unit));
+    let unit = longest(u, w);
+    let image_unit = longest(p, q);
+    let (u, w) = (times(u, 1.0 / unit), times(w, 1.0 / unit));
     let twice = double_area(u, w);
-    let (p, q) = (times(p, per_image_unit), times(q, per_image_unit));
+    let (p, q) = (times(p, 1.0 / image_unit), times(q, 1.0 / image_unit));
     let image_twice = double_area(p, q);
     // Positively phrased: NaN fails, and leaves all zero.
-    let usable = (longest_from >= MIN_LENGTH) & (longest_from <= MAX_LENGTH) & (longest_to <= MAX_LENGTH);
-    let has_image = usable & (longest_to >= MIN_LENGTH);
+    let usable = (unit >= MIN_LENGTH) & (unit <= MAX_LENGTH) & (image_unit <= MAX_LENGTH);
+    let has_image = usable & (image_unit >= MIN_LENGTH);
     let has_area = usable & (twice >= MIN_DOUBLE_AREA);
     let [large, small] = singular_values(u, w, twice, p, q, image_twice);
-    let ratio = image_unit * per_unit;
+    let ratio = image_unit / unit;
     let or_zero = |condition: bool, value: f32| if condition { value } else { 0.0 };
     Stretch {
         large: or_zero(has_image & has_area, large * ratio),
@@ -246,13 +240,6 @@ fn singular_values(u: Vec3, w: Vec3, twice: f32, p: Vec3, q: Vec3, image_twice: 
     // NaN is not positive.
     let if_positive = |x: f32| if large > 0.0 { x } else { 0.0 };
     [if_positive(large), if_positive(small)]
-}
-
-/// The powers of two below a positive number, and what is one over it.
-#[inline(always)]
-fn units(x: f32) -> [f32; 2] {
-    let exponent = x.to_bits() & EXPONENT;
-    [f32::from_bits(exponent), f32::from_bits(INVERSE.wrapping_sub(exponent))]
 }
 
 type Vec3 = [f32; 3];
