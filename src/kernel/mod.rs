@@ -1,9 +1,10 @@
 //! Kernels: one file each, with the CPU reference and the launch of `kernels/NAME.wgsl`, same inputs, same outputs.
 //!
 //! The reference of a kernel is the specification: plain arithmetic in f32, one element at a time, in the order the
-//! WGSL text has. Elements are independent, so rayon spreads them over threads without changing a bit. Products are
-//! written out and nothing is fused, so that llvmpipe gives the same bits, square roots and divisions included (the
-//! tests demand it). Real GPUs fuse multiplications with additions and round divisions more loosely: 1e-5 relative.
+//! WGSL text has. Elements are independent, so rayon spreads them over threads, and registers hold several of them,
+//! without changing a bit. Products are written out and nothing is fused, so that llvmpipe gives the same bits, square
+//! roots and divisions included (the tests demand it). Real GPUs fuse multiplications with additions and round divisions
+//! more loosely: 1e-5 relative.
 //!
 //! Points are four lanes of f32 here (`x, y, z` and one unused), in the plane with `z = 0`: one format for all kernels,
 //! and the one that storage buffers align without holes. [`relax_session`] joins three kernels into the relaxation of
