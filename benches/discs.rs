@@ -107,8 +107,8 @@ fn main() {
     if let Some(folder) = folder {
         write(&mesh, &folder).expect("the folder takes a mesh");
     }
-    let ways: [(&str, fn(&TriMesh) -> Vec<DVec2>); 2] = [("circle", on_a_circle), ("free", free)];
-    for (name, lay) in ways {
+    let lay: [fn(&TriMesh) -> Vec<DVec2>; 2] = [on_a_circle, free];
+    for (name, lay) in ["circle", "free"].into_iter().zip(lay) {
         let (start, before) = (Instant::now(), worked());
         let uv = lay(&mesh);
         let seconds = [start.elapsed().as_secs_f64(), worked() - before];

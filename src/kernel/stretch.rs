@@ -211,7 +211,7 @@ fn of_triangle(u: Vec3, w: Vec3, p: Vec3, q: Vec3) -> Stretch {
     let (p, q) = (times(p, 1.0 / image_unit), times(q, 1.0 / image_unit));
     let image_twice = double_area(p, q);
     // Positively phrased: NaN fails, and leaves all zero.
-    let usable = (unit >= MIN_LENGTH) & (unit <= MAX_LENGTH) & (image_unit <= MAX_LENGTH);
+    let usable = (MIN_LENGTH..=MAX_LENGTH).contains(&unit) & (image_unit <= MAX_LENGTH);
     let has_image = usable & (image_unit >= MIN_LENGTH);
     let has_area = usable & (twice >= MIN_DOUBLE_AREA);
     let [large, small] = singular_values(u, w, twice, p, q, image_twice);
