@@ -1,7 +1,7 @@
 //! Features that cannot walk are carried to their places: a base mesh over the places takes them along (base.rs).
 //!
-//! All at once, if paths need not wind too much for that. Otherwise first those that have not far to go, then the others one
-//! at a time: paths wind around what is carried far, and where the
+//! All at once, if paths need not wind too much for that. Otherwise first those that have not far to go, fewer of them if
+//! paths would wind too much again, then the others one at a time: paths wind around what is carried far, and where the
 //! ways of two cross as often as both numbers multiplied. In between the disc is relaxed, and does without most of the
 //! vertices that paths needed. If double precision cannot hold that, all are carried at once after all.
 
@@ -21,6 +21,8 @@ const ATTEMPTS: usize = 6;
 /// All are carried at once if paths add no more than so many times the vertices: with more they wind around each other, which
 /// takes long and leaves triangles that no relaxation gets open again.
 const MOST: usize = 3;
+/// The same for those that go together farther than the median distance of places, when others have gone or will go.
+const MOST_IN_TURN: usize = 12;
 /// An E_L2 with which taking turns is not tried.
 const GOOD: f64 = 6.0;
 /// While features are still to be carried, a mean squared stretch around a Steiner vertex that is no reason to keep it: with
@@ -58,8 +60,11 @@ pub fn carry(flat: &Refined, compute: &Compute, report: &mut ConstrainReport) ->
 fn carry_in_turn(flat: &Refined, compute: &Compute, report: &mut ConstrainReport) -> Result<Refined> {
     let mut refined = flat.clone();
     while !refined.sheet.is_met() {
-        let carried = place_by_paths(&refined, &next_places(&refined.sheet), usize::MAX);
-        refined = carried.or_else(|_| place_by_paths(flat, &places(&flat.sheet), usize::MAX))?;
+        let together = place_by_paths(&refined, &next_places(&refined.sheet, Reach::Mean), MOST_IN_TURN);
+        let carried = together
+            .or_else(|_| place_by_paths(&refined, &next_places(&refined.sheet, Reach::Median), usize::MAX))
+            .or_else(|_| place_by_paths(flat, &places(&flat.sheet), usize::MAX));
+        refined = carried?;
         report.carried += 1;
         report.steiner[0] += refined.steiner.len();
         tidy(&mut refined, compute, FAIR)?;
@@ -83,12 +88,16 @@ fn places(sheet: &Sheet) -> Vec<DVec2> {
 ///
 /// To their places go those that have not far to go, the nearest of the others if all those are there, those in the way of
 /// these, and so on.
-fn next_places(sheet: &Sheet) -> Vec<DVec2> {
+fn next_places(sheet: &Sheet, reach: Reach) -> Vec<DVec2> {
     let to = places(sheet);
     let at: Vec<DVec2> = sheet.features.iter().map(|f| sheet.uv[f.vertex as usize]).collect();
     let way = |i: usize| at[i].distance(to[i]);
     let room: Vec<f64> = (0..to.len()).map(|i| apart(&to, i)).collect();
-    let reach = TOGETHER * median(&room);
+    let reach = TOGETHER
+        * match reach {
+            Reach::Mean => 1.0 / (to.len() as f64).sqrt(),
+            Reach::Median => median(&room),
+        };
     let (near, far): (Vec<usize>, Vec<usize>) = (0..to.len()).filter(|&i| way(i) > 0.0).partition(|&i| way(i) < reach);
     let nearest = far.into_iter().min_by(|&i, &j| way(i).total_cmp(&way(j)));
     let mut next = if near.is_empty() { nearest.into_iter().collect() } else { near };
@@ -100,6 +109,16 @@ fn next_places(sheet: &Sheet) -> Vec<DVec2> {
         next.extend(in_the_way);
     }
     (0..to.len()).map(|i| if goes[i] { to[i] } else { at[i] }).collect()
+}
+
+/// How far features may have to go to their places to go together, in [`TOGETHER`]'s unit.
+#[derive(Clone, Copy)]
+enum Reach {
+    /// The distance of places were they spread evenly over the image: of scattered ones most have another much nearer, and
+    /// would take turns without need.
+    Mean,
+    /// The median distance from a place to the next one.
+    Median,
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -164,15 +183,15 @@ mod tests {
 
     #[test]
     fn first_go_those_that_have_not_far_to_go() {
-        let next = next_places(&row([0.25, 0.45, 0.65, 0.05]));
+        let next = next_places(&row([0.25, 0.45, 0.65, 0.05]), Reach::Median);
         assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.25, 0.45, 0.65, 0.8]);
     }
 
     #[test]
     fn who_goes_far_takes_those_in_the_way_along() {
-        let next = next_places(&row([0.8, 0.4, 0.6, 0.2]));
+        let next = next_places(&row([0.8, 0.4, 0.6, 0.2]), Reach::Median);
         assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.8, 0.4, 0.6, 0.2]);
-        let next = next_places(&row([0.92, 0.4, 0.6, 0.05]));
+        let next = next_places(&row([0.92, 0.4, 0.6, 0.05]), Reach::Median);
         assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.92, 0.4, 0.6, 0.8]);
     }
 }
