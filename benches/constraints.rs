@@ -3,6 +3,9 @@
 //! Every folder below FOLDER with `mesh.obj` and `constraints.csv` is a set. Printed are the vertices, the constraints, the
 //! Steiner vertices, E_L2 before and after smoothing and the seconds, and above them what others have on sets of this size.
 
+mod common;
+
+use common::folders_with;
 use homeo::app::constrained::disc::disc_of;
 use homeo::app::constrained::sheet::{Feature, Sheet};
 use homeo::app::constrained::{ConstrainReport, constrain};
@@ -11,7 +14,7 @@ use homeo::mesh::VertexId;
 use homeo::mesh::io::{read_constraints, read_mesh};
 use homeo::stage::check::inspect;
 use homeo::{Error, Result};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 /// WARP, table 1: vertices, features, Steiner vertices at the end, seconds on a Pentium 4.
@@ -44,9 +47,7 @@ fn main() {
     println!(
         "\nHere: set, vertices, features, times carried, Steiner vertices before and after, E_L2 before and after, seconds"
     );
-    let mut sets = Vec::new();
-    find(Path::new(&folder), &mut sets);
-    sets.sort();
+    let sets = folders_with(&["mesh.obj", "constraints.csv"], Path::new(&folder));
     for set in &sets {
         let name = set.file_name().unwrap_or_default().to_string_lossy();
         match row(set) {
@@ -73,16 +74,4 @@ fn row(set: &Path) -> Result<(usize, usize, ConstrainReport, f64)> {
     let features = features.ok_or_else(|| Error::input("a constrained vertex that no face uses"))?;
     let (_, report) = constrain(Sheet::new(&disc.mesh, disc.real, features)?, &Compute::Cpu)?;
     Ok((loaded.file.positions.len(), constraints.len(), report, start.elapsed().as_secs_f64()))
-}
-
-/// Folders that hold a set.
-fn find(folder: &Path, sets: &mut Vec<PathBuf>) {
-    if ["mesh.obj", "constraints.csv"].iter().all(|name| folder.join(name).is_file()) {
-        sets.push(folder.to_owned());
-    }
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.path().is_dir() {
-            find(&entry.path(), sets);
-        }
-    }
 }

@@ -4,27 +4,21 @@
 //! default options, then one after the other. Printed: for every pair its faces, the seconds that its stages took while the
 //! others were in flight, and those it takes alone; and the seconds of all both ways.
 
+mod common;
+
+use common::folders_with;
 use homeo::gpu::{Device, DeviceChoice};
 use homeo::pipeline::{MapOptions, Mapped, Outcome, Silent, map_pairs};
 use homeo::stage::load::{LoadOptions, Loaded, load};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Folders that hold a pair.
-fn find(folder: &Path, pairs: &mut Vec<PathBuf>) {
-    if ["source.obj", "target.obj", "landmarks.csv"].iter().all(|name| folder.join(name).is_file()) {
-        pairs.push(folder.to_owned());
-    }
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.path().is_dir() {
-            find(&entry.path(), pairs);
-        }
-    }
-}
+/// The files of a pair.
+const PAIR: [&str; 3] = ["source.obj", "target.obj", "landmarks.csv"];
 
 fn read(pair: &Path) -> Option<Loaded> {
     let file = |name: &str| pair.join(name);
-    let [source, target, landmarks] = ["source.obj", "target.obj", "landmarks.csv"].map(file);
+    let [source, target, landmarks] = PAIR.map(file);
     let loaded = load(LoadOptions { source, target, landmarks, target_landmarks: None, hint: None });
     loaded.inspect_err(|error| println!("{}: {error}", pair.display())).ok()
 }
@@ -37,9 +31,7 @@ fn main() {
     };
     let choice = device.first().map_or(Ok(DeviceChoice::Auto), |name| name.parse()).expect("cpu, gpu, auto or a name");
     let device = Device::open(&choice).expect("the device opens");
-    let mut folders = Vec::new();
-    find(Path::new(folder), &mut folders);
-    folders.sort();
+    let folders = folders_with(&PAIR, Path::new(folder));
     let pairs: Vec<(PathBuf, Loaded)> = folders.into_iter().filter_map(|f| read(&f).map(|pair| (f, pair))).collect();
     let total = |outcome: &Outcome<Mapped>| outcome.seconds["total"];
     let map = |pairs: &[(PathBuf, Loaded)], take: &mut dyn FnMut(Outcome<Mapped>)| {

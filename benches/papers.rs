@@ -6,6 +6,9 @@
 //! ours), and beside them what the papers have. `--perturb N` moves all landmarks to a neighbouring vertex by chance, N
 //! times a pair, and prints how E_L2 spreads.
 
+mod common;
+
+use common::folders_with;
 use homeo::Result;
 use homeo::gpu::{Compute, Device, DeviceChoice};
 use homeo::map::distortion::{Measures, distortion};
@@ -78,10 +81,8 @@ fn main() {
         eprintln!("usage: cargo bench --bench papers -- FOLDER [--only WORD] [--perturb N]");
         return;
     };
-    let mut pairs = Vec::new();
-    find(&folder, &mut pairs);
+    let mut pairs = folders_with(&["source.obj", "target.obj", "landmarks.csv"], &folder);
     pairs.retain(|p| only.as_ref().is_none_or(|word| p.to_string_lossy().contains(word)));
-    pairs.sort();
     println!("VORONOI, table 2 in the paper: greedy | one edge node | adaptive edge nodes");
     for (name, sizes, landmarks, [ang, l2, seconds]) in VORONOI {
         let cell = |k: usize| format!("{:6.2} {:6.3} {:7.1} s", ang[k], l2[k], seconds[k]);
@@ -104,18 +105,6 @@ fn main() {
         );
         for pair in &pairs {
             shown(pair, perturbed_row(pair, perturb));
-        }
-    }
-}
-
-/// Folders that hold a pair.
-fn find(folder: &Path, pairs: &mut Vec<PathBuf>) {
-    if ["source.obj", "target.obj", "landmarks.csv"].iter().all(|name| folder.join(name).is_file()) {
-        pairs.push(folder.to_owned());
-    }
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.path().is_dir() {
-            find(&entry.path(), pairs);
         }
     }
 }

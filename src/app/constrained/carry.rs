@@ -21,7 +21,7 @@ const ATTEMPTS: usize = 6;
 /// All are carried at once if paths add no more than so many times the vertices: with more they wind around each other, which
 /// takes long and leaves triangles that no relaxation gets open again.
 const MOST: usize = 3;
-/// The same for those that go together farther than the median distance of places, when others have gone or will go.
+/// The same when some go and others wait: with more, those that have far to go wait as well.
 const MOST_IN_TURN: usize = 12;
 /// An E_L2 with which taking turns is not tried.
 const GOOD: f64 = 6.0;
@@ -185,6 +185,14 @@ mod tests {
     fn first_go_those_that_have_not_far_to_go() {
         let next = next_places(&row([0.25, 0.45, 0.65, 0.05]), Reach::Median);
         assert_eq!(next.iter().map(|p| p.x).collect::<Vec<_>>(), [0.25, 0.45, 0.65, 0.8]);
+    }
+
+    #[test]
+    fn to_crowded_places_all_go_that_would_go_to_even_ones() {
+        let sheet = row([0.55, 0.56, 0.57, 0.62]);
+        let x = |reach| next_places(&sheet, reach).iter().map(|p| p.x).collect::<Vec<_>>();
+        assert_eq!(x(Reach::Median), [0.2, 0.4, 0.57, 0.8]);
+        assert_eq!(x(Reach::Mean), [0.55, 0.56, 0.57, 0.62]);
     }
 
     #[test]
