@@ -18,6 +18,7 @@ pub mod rings;
 pub mod stretch;
 pub mod sweep;
 pub mod sweep_batch;
+pub mod sweep_lanes;
 mod texel_rows;
 pub mod texels;
 pub mod vertex_stretch;

@@ -7,13 +7,12 @@
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat2, DVec2};
-use rayon::prelude::*;
 
 use crate::gpu::{Access, GpuBuffer, GpuDevice, Kernel, Launch};
 use crate::solve::dirichlet::{Metrics, Rest};
 
 use super::rings::Lists;
-use super::{GRAIN, Lanes};
+use super::Lanes;
 
 /// `kernels/sweep.wgsl`.
 pub const KERNEL: Kernel = Kernel {
@@ -113,158 +112,4 @@ pub(super) fn launch(gpu: &GpuDevice, range: std::ops::Range<u32>, buffers: &Swe
         |span| SweepParams { first: span.first, count: span.count },
         &[&b.vertices, &b.fan_starts, &b.fans, &b.triangles, &b.sights, &b.positions],
     )
-}
-
-/// The CPU twin; moved positions are written after all are computed, which a proper colouring makes no difference to.
-pub fn reference(vertices: &[u32], moving: &mut Moving) {
-    let at_rest: &Moving = moving;
-    let one = |&v: &u32| improved(at_rest, at_rest.fans.of(v as usize), at_rest.positions[v as usize]);
-    let moved: Vec<Lanes> = vertices.par_iter().with_min_len(GRAIN).map(one).collect();
-    for (&v, p) in vertices.iter().zip(moved) {
-        moving.positions[v as usize] = p;
-    }
-}
-
-type Vec2 = [f32; 2];
-
-/// Where the vertex at `here` goes.
-fn improved(moving: &Moving, fan: &[u32], here: Lanes) -> Lanes {
-    let step = newton(moving, fan, here);
-    let before = fan_energy(moving, fan, here);
-    let mut share = safe_share(moving, fan, here, step);
-    for _ in 0..TRIES {
-        let to = [here[0], here[1], here[2] + share * step[0], here[3] + share * step[1]];
-        if fan_energy(moving, fan, to) < before {
-            return to;
-        }
-        share *= 0.5;
-    }
-    here
-}
-
-/// From `p` to `q`.
-fn between(p: Lanes, q: Lanes) -> Vec2 {
-    [(q[0] - p[0]) + (q[2] - p[2]), (q[1] - p[1]) + (q[3] - p[3])]
-}
-
-/// The map from a triangle at rest into the plane, its two columns one after the other; `u` and `w` are its edges there
-/// from its first corner.
-fn map_of(rest: [f32; 4], u: Vec2, w: Vec2) -> [f32; 4] {
-    [
-        u[0] * rest[0] + w[0] * rest[1],
-        u[1] * rest[0] + w[1] * rest[1],
-        u[0] * rest[2] + w[0] * rest[3],
-        u[1] * rest[2] + w[1] * rest[3],
-    ]
-}
-
-/// A symmetric matrix times the columns of `m`.
-fn times(s: [f32; 4], m: [f32; 4]) -> [f32; 4] {
-    [s[0] * m[0] + s[1] * m[1], s[1] * m[0] + s[2] * m[1], s[0] * m[2] + s[1] * m[3], s[1] * m[2] + s[2] * m[3]]
-}
-
-fn dot4(a: [f32; 4], b: [f32; 4]) -> f32 {
-    ((a[0] * b[0] + a[1] * b[1]) + a[2] * b[2]) + a[3] * b[3]
-}
-
-/// Energy of a triangle with the edges `u` and `w` from its first corner.
-pub(super) fn energy_of(sight: &Sight, u: Vec2, w: Vec2) -> f32 {
-    let m = map_of(sight.rest, u, w);
-    let det = m[0] * m[3] - m[1] * m[2];
-    // Also true for NaN.
-    if !matches!(det.partial_cmp(&0.0), Some(std::cmp::Ordering::Greater)) {
-        return FOLDED;
-    }
-    let p = dot4(m, times(sight.sum, m));
-    let q = dot4(m, times(sight.inverse, m));
-    (p + q / (det * det)) * 0.25
-}
-
-/// The corners of the triangle at an entry of the fans, the centre of the fan put to `centre`.
-fn corners_of(moving: &Moving, entry: u32, centre: Lanes) -> [Lanes; 3] {
-    let [a, b, c, _] = moving.triangles[(entry / 4) as usize];
-    let mut corners = [a, b, c].map(|v| moving.positions[v as usize]);
-    corners[(entry % 4) as usize] = centre;
-    corners
-}
-
-fn fan_energy(moving: &Moving, fan: &[u32], centre: Lanes) -> f32 {
-    let mut sum = 0.0;
-    for &entry in fan {
-        let [a, b, c] = corners_of(moving, entry, centre);
-        sum += energy_of(&moving.sights[(entry / 4) as usize], between(a, b), between(a, c));
-    }
-    sum
-}
-
-/// Gradient and second derivative (xx, xy, yy) of a triangle's energy by the corner whose weights of the columns are `by`.
-fn slope_of(sight: &Sight, u: Vec2, w: Vec2, by: Vec2) -> (Vec2, [f32; 3]) {
-    let m = map_of(sight.rest, u, w);
-    let det = m[0] * m[3] - m[1] * m[2];
-    let d2 = det * det;
-    let pm = times(sight.sum, m);
-    let qm = times(sight.inverse, m);
-    let q = dot4(m, qm);
-    // What P m, Q m and the cofactor of m make of the weights.
-    let p = [pm[0] * by[0] + pm[2] * by[1], pm[1] * by[0] + pm[3] * by[1]];
-    let a = [qm[0] * by[0] + qm[2] * by[1], qm[1] * by[0] + qm[3] * by[1]];
-    let g = [m[3] * by[0] - m[1] * by[1], m[0] * by[1] - m[2] * by[0]];
-    let along = 0.5 / d2;
-    let across = 0.5 * (q / (d2 * det));
-    let square = by[0] * by[0] + by[1] * by[1];
-    let cross = 1.0 / (d2 * det);
-    let push = 2.0 * (q / (d2 * d2));
-    let gradient = [(0.5 * p[0] + along * a[0]) - across * g[0], (0.5 * p[1] + along * a[1]) - across * g[1]];
-    let same = |k: usize| (0.5 * sight.sum[k] + along * sight.inverse[k]) * square;
-    let hessian = [
-        (same(0) - cross * (2.0 * a[0] * g[0])) + push * (g[0] * g[0]),
-        (same(1) - cross * (a[0] * g[1] + g[0] * a[1])) + push * (g[0] * g[1]),
-        (same(2) - cross * (2.0 * a[1] * g[1])) + push * (g[1] * g[1]),
-    ];
-    (gradient, hessian)
-}
-
-/// How much each corner has of the columns of the map.
-fn weights_of(rest: [f32; 4], corner: u32) -> Vec2 {
-    match corner {
-        1 => [rest[0], rest[2]],
-        2 => [rest[1], rest[3]],
-        _ => [-(rest[0] + rest[1]), -(rest[2] + rest[3])],
-    }
-}
-
-/// The Newton step of the energy of a fan; zero where there is none.
-fn newton(moving: &Moving, fan: &[u32], centre: Lanes) -> Vec2 {
-    let (mut gradient, mut hessian) = ([0.0; 2], [0.0; 3]);
-    for &entry in fan {
-        let [a, b, c] = corners_of(moving, entry, centre);
-        let sight = &moving.sights[(entry / 4) as usize];
-        let slope = slope_of(sight, between(a, b), between(a, c), weights_of(sight.rest, entry % 4));
-        gradient = [gradient[0] + slope.0[0], gradient[1] + slope.0[1]];
-        hessian = [hessian[0] + slope.1[0], hessian[1] + slope.1[1], hessian[2] + slope.1[2]];
-    }
-    let [xx, xy, yy] = hessian;
-    let det = xx * yy - xy * xy;
-    // Also false for NaN.
-    if det > 0.0 {
-        [(xy * gradient[1] - yy * gradient[0]) / det, (xy * gradient[0] - xx * gradient[1]) / det]
-    } else {
-        [0.0; 2]
-    }
-}
-
-/// The share of the step that is safe: less than the way to the first triangle that collapses, and no more than all.
-fn safe_share(moving: &Moving, fan: &[u32], centre: Lanes, step: Vec2) -> f32 {
-    let mut share = 1.0f32;
-    for &entry in fan {
-        let c = corners_of(moving, entry, centre);
-        let [next, last] = [1, 2].map(|k| c[(entry % 4 + k) as usize % 3]);
-        let (u, w, side) = (between(centre, next), between(centre, last), between(next, last));
-        let area = u[0] * w[1] - u[1] * w[0];
-        let loss = step[0] * side[1] - step[1] * side[0];
-        if loss > 0.0 {
-            share = share.min(SAFE_SHARE * (area / loss));
-        }
-    }
-    share
 }

@@ -3,7 +3,7 @@
 //! Domains share no vertex, so all of them form one graph, and one dispatch per colour serves them all. A sweep goes
 //! through the colours forwards, the next one backwards. Jobs that wait for the device go together, see [`Gather`].
 
-use glam::DVec2;
+use glam::{DMat2, DVec2, Mat2};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -12,7 +12,8 @@ use crate::solve::coloring::{self, Coloring};
 
 use super::rings::Lists;
 use super::sweep::{self, Moving, Sight, SweepBuffers};
-use super::{check_indices, check_len};
+use super::sweep_lanes;
+use super::{Lanes, check_indices, check_len};
 
 /// The mesh that moves in one domain.
 #[derive(Clone, Debug)]
@@ -66,11 +67,15 @@ impl Piece {
 
     /// Energy of all triangles.
     pub fn energy(&self) -> f64 {
-        let Moving { triangles, sights, positions, .. } = &self.moving;
+        let Moving { triangles, sights, .. } = &self.moving;
         let one = |(sight, &[a, b, c, _]): (&Sight, &[u32; 4])| {
-            let [a, b, c] = [a, b, c].map(|v| sweep::joined(positions[v as usize]));
-            let [u, w] = [b - a, c - a].map(|e| [e.x as f32, e.y as f32]);
-            f64::from(sweep::energy_of(sight, u, w))
+            let [a, b, c] = [a, b, c].map(|v| self.position(v));
+            let map = DMat2::from_cols(b - a, c - a) * Mat2::from_cols_array(&sight.rest).as_dmat2();
+            let seen = |[xx, xy, yy, _]: Lanes| {
+                let metric = Mat2::from_cols_array(&[xx, xy, xy, yy]).as_dmat2();
+                (map.transpose() * metric * map).diagonal().element_sum()
+            };
+            0.25 * (seen(sight.sum) + seen(sight.inverse) / map.determinant().powi(2))
         };
         sights.iter().zip(triangles).map(one).sum()
     }
@@ -115,7 +120,7 @@ pub fn sweep_all(compute: &Compute, pieces: &mut [Piece], count: usize) -> Resul
         Compute::Cpu => {
             pieces.par_iter_mut().for_each(|Piece { moving, coloring }| {
                 for c in order(coloring.colors(), count) {
-                    sweep::reference(coloring.class(c), moving);
+                    sweep_lanes::reference(coloring.class(c), moving);
                 }
             });
             Ok(())

@@ -6,7 +6,7 @@
 //! model of the energy falls.
 
 use super::smooth::Smoother;
-use crate::solve::blocks::Blocks;
+use crate::solve::blocks::{Blocks, Pattern};
 use crate::solve::dirichlet::Block;
 use glam::DVec2;
 
@@ -77,21 +77,25 @@ fn direction(smoother: &Smoother, ways: &[(u32, DVec2)]) -> Option<Vec<DVec2>> {
         return None;
     }
     let numbered = |t: &[u32; 3]| t.map(|v| number[v as usize]);
-    let mut system = Blocks::new(free.len(), smoother.moving.triangles.iter().map(numbered));
-    let mut rhs = vec![DVec2::ZERO; free.len()];
-    for (t, corners) in smoother.moving.triangles.iter().enumerate() {
-        let Some(block) = smoother.model_block(t) else { continue };
-        let way = corners.map(|v| direction[v as usize]);
-        scatter(&block, &numbered(corners), &way, &mut system, &mut rhs);
-    }
-    system.add_ridge(RIDGE * system.mean_diagonal());
-    let found = system.solve(&rhs)?;
+    let pattern = Pattern::new(free.len(), smoother.moving.triangles.iter().map(numbered));
+    let system = || {
+        let (mut system, mut rhs) = (Blocks::new(&pattern), vec![DVec2::ZERO; free.len()]);
+        for (t, corners) in smoother.moving.triangles.iter().enumerate() {
+            let Some(block) = smoother.model_block(t) else { continue };
+            let way = corners.map(|v| direction[v as usize]);
+            scatter(&block, &numbered(corners), &way, &mut system, &mut rhs);
+        }
+        system.add_ridge(RIDGE * system.mean_diagonal());
+        (system, rhs)
+    };
+    let (plan, (system, rhs)) = rayon::join(|| pattern.plan(), system);
+    let found = system.solve(&plan?, &rhs)?;
     free.iter().zip(found).for_each(|(&v, d)| direction[v] = d);
     direction.iter().all(|d| d.is_finite()).then_some(direction)
 }
 
 /// Adds a triangle's derivatives to the lower half of the system.
-fn scatter(block: &Block, number: &[u32; 3], way: &[DVec2; 3], system: &mut Blocks, rhs: &mut [DVec2]) {
+fn scatter(block: &Block, number: &[u32; 3], way: &[DVec2; 3], system: &mut Blocks<'_>, rhs: &mut [DVec2]) {
     for i in (0..3).filter(|&i| number[i] != FIXED) {
         let row = &mut rhs[number[i] as usize];
         *row -= block.gradient[i];

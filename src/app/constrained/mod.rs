@@ -47,6 +47,7 @@ use weight::near_features;
 
 /// Rounds of relaxation at the end.
 const LAST_ROUNDS: usize = 8;
+
 /// What was done to meet the constraints.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct ConstrainReport {
@@ -62,7 +63,12 @@ pub struct ConstrainReport {
 ///
 /// # Errors
 /// Unsolvable if double precision cannot hold the result; device errors.
-pub fn constrain(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, ConstrainReport)> {
+pub fn constrain(sheet: Sheet, compute: &Compute) -> Result<(Refined, ConstrainReport)> {
+    // On a thread of the pool: from outside each of many thousand short loops would wait for it to wake up.
+    rayon::scope(|_| meet(sheet, compute))
+}
+
+fn meet(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, ConstrainReport)> {
     start::start(&mut sheet, compute)?;
     let mut report = ConstrainReport::default();
     let flat = Refined::unrefined(sheet);
