@@ -5,6 +5,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
+use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMat, SymbolicSparseColMat};
 use faer::{Conj, Side, get_global_parallelism};
@@ -60,11 +61,11 @@ impl Pattern {
     fn order(&self) -> Option<[Vec<usize>; 2]> {
         let n = self.len();
         let graph = SymbolicSparseColMat::new_checked(n, n, self.starts.clone(), None, self.rows.clone());
-        let found =
-            factorize_symbolic_cholesky(graph.as_ref(), Side::Lower, SymmetricOrdering::Amd, Default::default());
-        let found = found.ok()?;
-        let (forth, back) = found.perm()?.arrays();
-        Some([forth.to_vec(), back.to_vec()])
+        let mut room = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<usize>(n, self.rows.len())).ok()?;
+        let (mut forth, mut back) = (vec![0; n], vec![0; n]);
+        let stack = MemStack::new(&mut room);
+        amd::order_maybe_unsorted(&mut forth, &mut back, graph.as_ref(), Default::default(), stack).ok()?;
+        Some([forth, back])
     }
 
     /// Where a system has numbers: the lower half, column by column.
