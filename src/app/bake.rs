@@ -104,13 +104,14 @@ fn bake_tile(
     let (mut image, mut mask) = (OutputFile::create(&path)?, OutputFile::create(&mask_path)?);
     let [name, unit] = options.map.words();
     let names: &[&str] = if options.map.is_vector() { &["B", "G", "R"] } else { &["Y"] };
+    let mut rows = Rows::default();
     let format = |names| Format { size: [options.size; 2], names, compression: options.compression };
     write_bands(format(names), &metadata(name, unit)?, image.writer(), |image| {
         write_bands(format(&["Y"]), &metadata("mask", "1 inside, 0 outside")?, mask.writer(), |mask| {
             canvas.bands(compute, options.padding, Some(values), |band| {
                 count(band, polygons, report);
-                write_mask(band, mask)?;
-                write_planes(&band.pixels, names.len(), options.map.is_direction(), image)
+                rows.write_mask(band, mask)?;
+                rows.write_planes(&band.pixels, names.len(), options.map.is_direction(), image)
             })
         })
     })
@@ -130,18 +131,29 @@ fn count(band: &Band, polygons: &[u32], report: &mut BakeReport) {
     }
 }
 
-fn write_mask(band: &Band, sink: &mut BandSink) -> Result<()> {
-    let inside: Vec<f32> = band.texels.par_iter().map(|t| f32::from(u8::from(t.covers > 0))).collect();
-    sink(&[&inside])
+/// Rows on their way into files: memory that serves every band.
+#[derive(Default)]
+struct Rows {
+    mask: Vec<f32>,
+    planes: [Vec<f32>; 3],
 }
 
-/// Hands over the first lanes of pixels, as unit vectors if they are `directions`, the last channel first: `B`, `G`, `R`.
-fn write_planes(pixels: &[Lanes], channels: usize, directions: bool, sink: &mut BandSink) -> Result<()> {
-    let unit = |p: &Lanes| Vec4::from_array(*p).normalize_or_zero().to_array();
-    let units: Vec<Lanes> = if directions { pixels.par_iter().map(unit).collect() } else { Vec::new() };
-    let pixels = if directions { &units } else { pixels };
-    let planes: Vec<Vec<f32>> = (0..channels).rev().map(|k| pixels.par_iter().map(|p| p[k]).collect()).collect();
-    sink(&planes.iter().map(Vec::as_slice).collect::<Vec<_>>())
+impl Rows {
+    fn write_mask(&mut self, band: &Band, sink: &mut BandSink) -> Result<()> {
+        let inside = band.texels.par_iter().map(|t| f32::from(u8::from(t.covers > 0)));
+        inside.collect_into_vec(&mut self.mask);
+        sink(&[&self.mask])
+    }
+
+    /// Hands over the first lanes of pixels, as unit vectors if they are `directions`, the last channel first: `B`, `G`, `R`.
+    fn write_planes(&mut self, pixels: &[Lanes], channels: usize, directions: bool, sink: &mut BandSink) -> Result<()> {
+        let unit = |p: &Lanes| Vec4::from_array(*p).normalize_or_zero().to_array();
+        for (k, plane) in (0..channels).rev().zip(&mut self.planes) {
+            let value = |p: &Lanes| if directions { unit(p)[k] } else { p[k] };
+            pixels.par_iter().map(value).collect_into_vec(plane);
+        }
+        sink(&self.planes.each_ref().map(Vec::as_slice)[..channels])
+    }
 }
 
 /// The JSON text of a baked image.

@@ -1,8 +1,8 @@
 //! Flat 32-bit float images as OpenEXR files: ZIP scanlines if nothing else is asked for, row 0 at the top, one custom attribute with JSON text.
 //!
 //! The bytes depend on the image and the text alone. Blocks of scanlines are compressed in parallel, a bounded number
-//! at a time, in the current rayon pool (the file library's own parallel writer would start threads of its own), and
-//! are written from top to bottom. There is one custom attribute only because the library keeps attributes in a hash
+//! at a time and whichever bands they came with, in the current rayon pool (the file library's own parallel writer would
+//! start threads of its own), and are written from top to bottom. There is one custom attribute only because the library keeps attributes in a hash
 //! map, whose order changes from run to run.
 
 use crate::error::{Error, Result};
@@ -23,8 +23,9 @@ use std::vec::IntoIter;
 /// The name of the custom attribute.
 const ATTRIBUTE: &str = "homeo";
 
-/// Blocks compressed at once, of up to 32 scanlines: enough to keep many cores busy, few enough to bound the memory.
-const BLOCKS_IN_FLIGHT: usize = 64;
+/// Blocks that wait for every thread before they are compressed together: enough to keep all busy, few enough to bound the
+/// memory.
+const BLOCKS_A_THREAD: usize = 2;
 
 /// How many times larger than its file an image can be; more is not read, so that a small damaged file cannot claim all
 /// memory. Deflate, the densest compression in use, comes to 1032.
@@ -241,8 +242,12 @@ struct Blocks<'a, W: Write + Seek> {
     width: usize,
     meta: &'a MetaData,
     writer: &'a mut ChunkWriter<W>,
-    /// Blocks not written yet, from the top, with their numbers.
+    /// Blocks whose rows have not come yet, from the top, with their numbers.
     open: Peekable<IntoIter<(usize, BlockIndex)>>,
+    /// Blocks to be compressed and written next.
+    ready: Vec<(usize, UncompressedBlock)>,
+    /// So many go together.
+    together: usize,
     /// Rows handed over so far.
     rows: usize,
 }
@@ -250,27 +255,23 @@ struct Blocks<'a, W: Write + Seek> {
 impl<'a, W: Write + Seek> Blocks<'a, W> {
     fn new([width, _]: [usize; 2], meta: &'a MetaData, writer: &'a mut ChunkWriter<W>) -> Self {
         let open: Vec<(usize, BlockIndex)> = enumerate_ordered_header_block_indices(&meta.headers).collect();
-        Blocks { width, meta, writer, open: open.into_iter().peekable(), rows: 0 }
+        let is_plain = |header: &Header| header.compression == exr::prelude::Compression::Uncompressed;
+        // What is written as it is waits for nothing, and its memory serves the next one while it is still in the cache.
+        let together =
+            if meta.headers.iter().all(is_plain) { 1 } else { BLOCKS_A_THREAD * rayon::current_num_threads() };
+        Blocks { width, meta, writer, open: open.into_iter().peekable(), ready: Vec::new(), together, rows: 0 }
     }
 
-    /// Compresses the blocks of the next rows, some at a time, and writes them in order.
+    /// Takes the blocks of the next rows, and writes blocks once there are enough of them.
     fn push(&mut self, planes: &[&[f32]]) -> Result<()> {
         let first = self.rows;
         self.rows += planes.first().map_or(0, |plane| plane.len() / self.width);
         let rows = self.rows;
         let is_whole = |(_, index): &(usize, BlockIndex)| index.pixel_position.y() + index.pixel_size.height() <= rows;
-        let mut ready = Vec::new();
-        while let Some(block) = self.open.next_if(is_whole) {
-            ready.push(block);
-        }
-        for batch in ready.chunks(BLOCKS_IN_FLIGHT) {
-            let compress = |&(_, index): &(usize, BlockIndex)| {
-                block(planes, first, self.width, self.meta, index).compress_to_chunk(&self.meta.headers)
-            };
-            let chunks: Vec<exr::error::Result<Chunk>> = batch.par_iter().map(compress).collect();
-            for (&(number, _), chunk) in batch.iter().zip(chunks) {
-                let written = chunk.and_then(|chunk| self.writer.write_chunk(number, chunk));
-                written.map_err(writing_failed)?;
+        while let Some((number, index)) = self.open.next_if(is_whole) {
+            self.ready.push((number, block(planes, first, self.width, self.meta, index)));
+            if self.ready.len() >= self.together {
+                self.write()?;
             }
         }
         match self.open.peek() {
@@ -279,7 +280,22 @@ impl<'a, W: Write + Seek> Blocks<'a, W> {
         }
     }
 
+    /// Compresses the blocks that are ready and writes them in order.
+    fn write(&mut self) -> Result<()> {
+        let compress = |(number, block): (usize, UncompressedBlock)| (number, block.compress_to_chunk(&self.meta.headers));
+        let chunks: Vec<(usize, exr::error::Result<Chunk>)> = match self.together {
+            1 => self.ready.drain(..).map(compress).collect(),
+            _ => self.ready.par_drain(..).map(compress).collect(),
+        };
+        for (number, chunk) in chunks {
+            let written = chunk.and_then(|chunk| self.writer.write_chunk(number, chunk));
+            written.map_err(writing_failed)?;
+        }
+        Ok(())
+    }
+
     fn finish(&mut self) -> Result<()> {
+        self.write()?;
         match self.open.peek() {
             None => Ok(()),
             Some(_) => Err(Error::bug(format!("the image ends after {} rows", self.rows))),
