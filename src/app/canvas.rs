@@ -20,7 +20,7 @@ pub const LARGEST: usize = 16384;
 /// Rows of a band at least: whole blocks of EXR files, enough of them to keep the cores busy.
 const BAND: usize = 2 * BLOCK_ROWS;
 /// Texels of a band at least: with fewer, handing out the work would show.
-const BAND_TEXELS: usize = 1 << 17;
+const BAND_TEXELS: usize = 1 << 16;
 /// Windows in which triangles are drawn at once: small enough for the cache and for f32, large enough for few triangles to
 /// lie in several.
 const WINDOW: [usize; 2] = [512, 16];
