@@ -78,7 +78,10 @@ fn meet(mut sheet: Sheet, compute: &Compute) -> Result<(Refined, ConstrainReport
     }
     report.steiner[1] = refined.steiner.len();
     report.e_l2[0] = stretch_of(&refined.sheet);
-    smooth(&mut refined.sheet, compute)?;
+    // Without features nothing has been pulled about since the start relaxed it.
+    if !refined.sheet.features.is_empty() {
+        smooth(&mut refined.sheet, compute)?;
+    }
     report.e_l2[1] = stretch_of(&refined.sheet);
     Ok((refined, report))
 }
