@@ -1,10 +1,13 @@
-"""Times a multi-source front beside SciPy's `dijkstra(min_only=True)` on the same graph: a sphere's faces, joined across edges.
+"""Times a multi-source front beside SciPy's `dijkstra(min_only=True)`, and beside a queue of buckets and a binary heap in C++
+(`fronts.cpp`), on the same graph: a sphere's faces, joined across edges.
 
-`homeo`'s times come from `cargo bench --bench stages -- front`; SciPy gets the graph ready made, `homeo` makes it from the mesh.
+`homeo`'s times come from `cargo bench --bench stages -- front`; the others get the graph ready made, `homeo` makes it from the
+mesh.
 """
 
 import re
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
@@ -12,7 +15,8 @@ import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 
-ROOT = Path(__file__).resolve().parents[2]
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[1]
 SITES = 100
 RUNS = 5
 
@@ -54,14 +58,39 @@ def dual(vertices, faces):
     return coo_matrix((np.concatenate([steps, steps]), (rows, columns)), shape=(len(faces),) * 2).tocsr()
 
 
+def sites_of(graph):
+    return np.random.default_rng(1).choice(graph.shape[0], SITES, replace=False)
+
+
 def scipy_seconds(graph):
-    sites = np.random.default_rng(1).choice(graph.shape[0], SITES, replace=False)
+    sites = sites_of(graph)
     times = []
     for _ in range(RUNS):
         start = time.perf_counter()
         dijkstra(graph, indices=sites, min_only=True, return_predecessors=True)
         times.append(time.perf_counter() - start)
     return sorted(times)[RUNS // 2]
+
+
+def compiled(scratch):
+    """The program in C++."""
+    program = Path(scratch) / "fronts"
+    compiler = ["c++", "-O3", "-march=native", "-std=c++17"]
+    subprocess.run([*compiler, str(HERE / "fronts.cpp"), "-o", str(program)], check=True)
+    return program
+
+
+def cpp_seconds(program, graph):
+    """Median seconds of the buckets in f32 and of the heap in f64."""
+    file = program.with_suffix(".graph")
+    sites = sites_of(graph)
+    with file.open("wb") as out:
+        for numbers in ([graph.shape[0], graph.nnz, len(sites)], graph.indptr, graph.indices):
+            out.write(np.asarray(numbers, "<u4").tobytes())
+        out.write(graph.data.astype("<f8").tobytes())
+        out.write(np.asarray(sites, "<u4").tobytes())
+    told = subprocess.run([str(program), str(file)], check=True, capture_output=True, text=True).stdout.split()
+    return [float(seconds) for seconds in told]
 
 
 def homeo_seconds():
@@ -75,12 +104,16 @@ def homeo_seconds():
 
 def main():
     ours = homeo_seconds()
-    print("triangles  homeo s  scipy s  ratio")
-    for subdivisions in [5, 6, 7, 8]:
-        graph = dual(*sphere(subdivisions))
-        theirs = scipy_seconds(graph)
-        own = ours[graph.shape[0]]
-        print(f"{graph.shape[0]:9}  {own:7.4f}  {theirs:7.4f}  {own / theirs:5.2f}", flush=True)
+    print("| triangles | homeo | SciPy | ratio | C++, buckets in f32 | ratio | C++, heap in f64 | ratio |")
+    print("| --- | --- | --- | --- | --- | --- | --- | --- |")
+    with tempfile.TemporaryDirectory() as scratch:
+        program = compiled(scratch)
+        for subdivisions in [5, 6, 7, 8]:
+            graph = dual(*sphere(subdivisions))
+            own = ours[graph.shape[0]]
+            others = [scipy_seconds(graph), *cpp_seconds(program, graph)]
+            cells = " | ".join(f"{1e3 * theirs:.1f} ms | {own / theirs:.2f}" for theirs in others)
+            print(f"| {graph.shape[0]:,} | {1e3 * own:.1f} ms | {cells} |", flush=True)
 
 
 if __name__ == "__main__":
