@@ -1,6 +1,6 @@
 // One colour of a sweep over domains in which one mesh moves over another: every vertex of the colour makes a Newton step
 // of its own that lowers the symmetric Dirichlet energy of its triangles, as far as none of them turns over. Vertices of
-// one colour share no triangle, so each sees its ring at rest. Reference: src/kernel/sweep.rs.
+// one colour share no triangle, so each sees its ring at rest. Reference: src/kernel/sweep_lanes.rs.
 
 // A step goes at most this share of the way to the first triangle that collapses.
 const SAFE_SHARE: f32 = 0.8;

@@ -134,10 +134,7 @@ impl Gutter {
     /// distances (P. Felzenszwalb, D. Huttenlocher, "Distance transforms of sampled functions", 2012).
     fn fill_columns(&self, band: &Band, row: usize, columns: Range<usize>, filled: &mut Vec<(usize, Texel)>) {
         let limit = self.limit as usize;
-        let nearest = |x: usize| match self.nearest[(x / COLUMNS * band.rows + row - band.first_row) * COLUMNS + x % COLUMNS] {
-            NOWHERE => None,
-            nearest => Some(nearest as usize),
-        };
+        let nearest = |x: usize| self.nearest_row(band, row, x);
         let sq = |x: usize| -> Option<i64> {
             let d = nearest(x)?.abs_diff(row);
             (d <= limit).then_some((d * d) as i64)
@@ -178,6 +175,13 @@ impl Gutter {
                 filled.push((x, Texel { covers: 0, ..texel }));
             }
         }
+    }
+
+    /// The row of the covered texel nearest to a row in its column, as far as there is one.
+    fn nearest_row(&self, band: &Band, row: usize, column: usize) -> Option<usize> {
+        let line = column / COLUMNS * band.rows + (row - band.first_row);
+        let nearest = self.nearest[line * COLUMNS + column % COLUMNS];
+        (nearest != NOWHERE).then_some(nearest as usize)
     }
 
     /// The covered texel of a column in a row of the band, the last one above, or the first one below it.

@@ -3,7 +3,7 @@
 //! Every vertex makes a Newton step of its own that lowers the symmetric Dirichlet energy of its triangles
 //! ([`crate::solve::dirichlet`] has the formulas and says what of the second derivative is taken). The step goes at most a
 //! share of the way to the first triangle that collapses and is halved until the energy of the ring falls. So the energy
-//! never rises, and no triangle turns over.
+//! never rises, and no triangle turns over. The CPU twin is [`super::sweep_lanes`].
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat2, DVec2};
@@ -11,8 +11,8 @@ use glam::{DMat2, DVec2};
 use crate::gpu::{Access, GpuBuffer, GpuDevice, Kernel, Launch};
 use crate::solve::dirichlet::{Metrics, Rest};
 
-use super::rings::Lists;
 use super::Lanes;
+use super::rings::Lists;
 
 /// `kernels/sweep.wgsl`.
 pub const KERNEL: Kernel = Kernel {

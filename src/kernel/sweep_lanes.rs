@@ -166,7 +166,8 @@ impl Wedge {
         let mut all = [[Vec4::ZERO; WIDTH]; 6];
         for i in 0..WIDTH {
             let (t, corner) = ((entries[i] / 4) as usize, entries[i] as usize % 4);
-            let [next, last] = OTHERS[corner].map(|k| Vec4::from_array(moving.positions[moving.triangles[t][k] as usize]));
+            let [next, last] =
+                OTHERS[corner].map(|k| Vec4::from_array(moving.positions[moving.triangles[t][k] as usize]));
             let first_part = here[i] * Vec4::new(1.0, 1.0, 0.0, 0.0);
             let Sight { rest, sum, inverse } = moving.sights[t];
             all[0][i] = next - first_part;
@@ -192,8 +193,7 @@ impl Wedge {
     fn weigh(&mut self, corner: [u32; WIDTH], rest: [Row; 4]) {
         let [is_second, is_third] = [1, 2].map(|k| BVec4A::from_array(corner.map(|c| c == k)));
         for (m, [second, third]) in [[rest[0], rest[1]], [rest[2], rest[3]]].into_iter().enumerate() {
-            let by_corner =
-                |[a, b, c]: [Row; 3]| Vec4::select(is_second, b, Vec4::select(is_third, c, a));
+            let by_corner = |[a, b, c]: [Row; 3]| Vec4::select(is_second, b, Vec4::select(is_third, c, a));
             self.columns[m] = [
                 by_corner([second, Vec4::ZERO, -third]),
                 by_corner([third, -second, Vec4::ZERO]),

@@ -8,6 +8,7 @@ pub mod id;
 pub mod io;
 pub mod metric;
 pub mod point;
+mod quadric;
 pub mod salience;
 pub mod simplify;
 pub mod subdivision;

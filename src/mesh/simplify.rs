@@ -8,8 +8,9 @@
 //! Sources: A. Lee, W. Sweldens, P. Schröder, L. Cowsar, D. Dobkin, "MAPS: multiresolution adaptive parameterization of
 //! surfaces", 1998; M. Garland, P. Heckbert, "Surface simplification using quadric error metrics", 1997.
 
+use super::quadric::Quadric;
 use super::{FaceId, Id, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
-use glam::{DMat3, DVec2, DVec3};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -103,36 +104,6 @@ struct Merge {
     cost: f64,
     /// The neighbour, by its place in the ring.
     apex: usize,
-}
-
-/// Squared distance from the planes of triangles, weighed with their areas: x A x + 2 b x + c.
-#[derive(Clone, Copy)]
-struct Quadric {
-    a: DMat3,
-    b: DVec3,
-    c: f64,
-}
-
-impl Quadric {
-    const NONE: Self = Quadric { a: DMat3::ZERO, b: DVec3::ZERO, c: 0.0 };
-
-    fn of_triangle([p, q, r]: [DVec3; 3]) -> Self {
-        let cross = (q - p).cross(r - p);
-        let Some(n) = cross.try_normalize() else { return Quadric::NONE };
-        let (area, d) = (0.5 * cross.length(), -n.dot(p));
-        let a = DMat3::from_cols(n * n.x, n * n.y, n * n.z) * area;
-        Quadric { a, b: n * (d * area), c: d * d * area }
-    }
-
-    fn add(&mut self, other: &Quadric) {
-        self.a += other.a;
-        self.b += other.b;
-        self.c += other.c;
-    }
-
-    fn at(&self, x: DVec3) -> f64 {
-        (x.dot(self.a * x) + 2.0 * self.b.dot(x) + self.c).max(0.0)
-    }
 }
 
 /// A neighbour, and the face behind it, counter-clockwise.

@@ -282,7 +282,8 @@ impl<'a, W: Write + Seek> Blocks<'a, W> {
 
     /// Compresses the blocks that are ready and writes them in order.
     fn write(&mut self) -> Result<()> {
-        let compress = |(number, block): (usize, UncompressedBlock)| (number, block.compress_to_chunk(&self.meta.headers));
+        let compress =
+            |(number, block): (usize, UncompressedBlock)| (number, block.compress_to_chunk(&self.meta.headers));
         let chunks: Vec<(usize, exr::error::Result<Chunk>)> = match self.together {
             1 => self.ready.drain(..).map(compress).collect(),
             _ => self.ready.par_drain(..).map(compress).collect(),
