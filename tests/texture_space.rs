@@ -103,6 +103,24 @@ fn a_position_map_holds_the_surface_and_its_gutters_the_nearest_of_it() {
     assert!(filled > 500, "{filled}");
 }
 
+/// An image of this size goes by in two bands, and a texel's nearest covered one may lie in the other.
+#[test]
+fn gutters_without_end_reach_from_band_to_band() {
+    let scratch = Scratch::new("bands");
+    let mesh = ball(4, [0, 1, 2, 3, 4, 5, 6, 7]);
+    let size = 320;
+    let image = baked(&mesh, BakeMap::Position, size, Padding::Infinite, &scratch.0.join("position.exr"));
+    let mask = read_picture(&scratch.0.join("position_mask.exr"), true).expect("the mask");
+    let (inside, gutter): (Vec<usize>, Vec<usize>) = (0..size * size).partition(|&i| mask.pixels[i][0] == 1.0);
+    assert!(gutter.len() > 5000, "{}", gutter.len());
+    for &i in gutter.iter().step_by(37) {
+        let apart = |j: usize| (i % size).abs_diff(j % size).pow(2) + (i / size).abs_diff(j / size).pow(2);
+        let least = inside.iter().map(|&j| apart(j)).min().expect("something is covered");
+        let of_nearest = inside.iter().any(|&j| apart(j) == least && image.pixels[j] == image.pixels[i]);
+        assert!(of_nearest, "texel {i}");
+    }
+}
+
 #[test]
 fn normals_tangents_curvature_and_distortion_of_a_sphere() {
     let scratch = Scratch::new("maps");
