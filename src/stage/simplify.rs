@@ -13,7 +13,7 @@ use std::collections::HashMap;
 /// Vertices that a mesh is simplified to: fewer no longer carry its shape, more cost time.
 pub const ENOUGH: usize = 8_000;
 /// Meshes that together have fewer times as many vertices as two simple ones are mapped as they are.
-const WORTHWHILE: f64 = 2.5;
+pub const WORTHWHILE: f64 = 2.5;
 
 /// A simplified pair.
 pub struct Simple {
