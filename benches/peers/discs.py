@@ -1,7 +1,8 @@
-"""Times one disc laid flat with little stretch beside libigl's SLIM, and beside Yoshizawa's iteration in C++ with Eigen.
+"""Times one disc laid flat with little stretch beside libigl's SLIM, CGAL's iterative authalic parameterization, and Yoshizawa's
+iteration in C++ with Eigen.
 
 `homeo`'s times come from `cargo bench --bench discs`, which also writes the mesh. Yoshizawa's iteration goes on until it gets
-no better, as `homeo`'s does; SLIM until its normalised L2 stretch is no more than `homeo`'s with a free boundary, or gets no
+no better, as `homeo`'s does; CGAL's as often as it does by itself; SLIM until its normalised L2 stretch is no more than `homeo`'s with a free boundary, or gets no
 better. Seconds are those of all threads.
 """
 
@@ -20,6 +21,8 @@ ROOT = HERE.parents[1]
 SETTLED = 1e-4
 # Of SLIM, at most.
 ITERATIONS = 100
+# Of CGAL's iteration, its own default.
+AUTHALIC = 15
 
 
 def l2_stretch(points, faces, uv):
@@ -37,14 +40,32 @@ def l2_stretch(points, faces, uv):
     return float(np.sqrt((squared * spatial).sum() / spatial.sum() * planar.sum() / spatial.sum()))
 
 
-def yoshizawa(mesh, scratch):
-    """Seconds, stretch and number of solutions of the iteration in C++."""
-    program = scratch / "yoshizawa"
+def compiled(name, scratch, *flags):
+    """A program in C++ beside this file."""
+    program = scratch / name
     eigen = subprocess.run(["pkg-config", "--cflags", "eigen3"], capture_output=True, text=True).stdout.split()
     compiler = ["c++", "-O3", "-march=native", "-std=c++17", *(eigen or ["-I/usr/include/eigen3"])]
-    subprocess.run([*compiler, str(HERE / "yoshizawa.cpp"), "-o", str(program)], check=True)
-    told = subprocess.run([str(program), str(mesh)], check=True, capture_output=True, text=True).stdout.split()
-    return float(told[0]), float(told[1]), int(told[2])
+    subprocess.run([*compiler, str(HERE / f"{name}.cpp"), "-o", str(program), *flags], check=True)
+    return program
+
+
+def told(*command):
+    """What a program prints in its last line."""
+    lines = subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True).stdout
+    return lines.strip().splitlines()[-1].split()
+
+
+def yoshizawa(mesh, scratch):
+    """Seconds, stretch and number of solutions of the iteration in C++."""
+    seconds, stretch, solved = told(compiled("yoshizawa", scratch), mesh)
+    return float(seconds), float(stretch), int(solved)
+
+
+def authalic(mesh, scratch):
+    """Seconds and stretch of CGAL's iteration."""
+    program = compiled("authalic", scratch, "-DNDEBUG", "-DCGAL_EIGEN3_ENABLED", "-lgmp", "-lmpfr")
+    seconds, stretch = told(program, mesh, AUTHALIC)
+    return float(seconds), float(stretch)
 
 
 def slim(mesh, goal):
@@ -88,6 +109,12 @@ def main():
         seconds, stretch, done = yoshizawa(mesh, Path(scratch))
         share = ours["circle"][0] / seconds
         print(f"circle: Eigen {seconds:.2f} s, solved {done} times, L2 {stretch:.4f}; homeo's share {share:.2f}", flush=True)
+        try:
+            seconds, stretch = authalic(mesh, Path(scratch))
+            share = ours["circle"][0] / seconds
+            print(f"circle: CGAL {seconds:.2f} s, {AUTHALIC} iterations, L2 {stretch:.4f}; homeo's share {share:.3f}", flush=True)
+        except subprocess.CalledProcessError:
+            print("SKIPPED: no CGAL here", file=sys.stderr)
         seconds, stretch, done = slim(mesh, ours["free"][1])
         share = ours["free"][0] / seconds
         print(f"free: SLIM {seconds:.2f} s, {done} iterations, L2 {stretch:.4f}; homeo's share {share:.2f}")
