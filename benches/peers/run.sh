@@ -18,7 +18,7 @@ if [[ ! -e $peers/complete ]]; then
 fi
 
 if (($# == 0)); then
-    "$peers/bin/python" -B "$here/fronts.py"
+    "$peers/bin/python" -B "$here/fronts.py" || echo "run.sh: no fronts beside others here" >&2
     "$peers/bin/python" -B "$here/discs.py" || echo "run.sh: no discs beside others here" >&2
     (cd "$here/../.." && cargo build --release)
     set -- "${CARGO_TARGET_DIR:-$here/../../target}/release/homeo"
