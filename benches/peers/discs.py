@@ -49,9 +49,10 @@ def compiled(name, scratch, *flags):
     return program
 
 
-def told(*command):
-    """What a program prints in its last line."""
-    lines = subprocess.run([str(word) for word in command], check=True, capture_output=True, text=True).stdout
+def told(program, *arguments):
+    """What a program prints in its last line; files that it leaves behind stay beside it."""
+    command = [str(word) for word in (program, *arguments)]
+    lines = subprocess.run(command, check=True, capture_output=True, text=True, cwd=program.parent).stdout
     return lines.strip().splitlines()[-1].split()
 
 
