@@ -1,9 +1,9 @@
-"""Times one disc laid flat with little stretch beside libigl's SLIM, CGAL's iterative authalic parameterization, and Yoshizawa's
-iteration in C++ with Eigen.
+"""Times one disc laid flat with little stretch beside libigl's SLIM, CGAL's iterative authalic parameterization, and
+Yoshizawa's iteration in C++ with Eigen.
 
 `homeo`'s times come from `cargo bench --bench discs`, which also writes the mesh. Yoshizawa's iteration goes on until it gets
-no better, as `homeo`'s does; CGAL's as often as it does by itself; SLIM until its normalised L2 stretch is no more than `homeo`'s with a free boundary, or gets no
-better. Seconds are those of all threads.
+no better, as `homeo`'s does; CGAL's as often as it does by itself; SLIM until its normalised L2 stretch is no more than
+`homeo`'s with a free boundary, or gets no better. Seconds are those of all threads.
 """
 
 import re
@@ -113,7 +113,8 @@ def main():
         try:
             seconds, stretch = authalic(mesh, Path(scratch))
             share = ours["circle"][0] / seconds
-            print(f"circle: CGAL {seconds:.2f} s, {AUTHALIC} iterations, L2 {stretch:.4f}; homeo's share {share:.3f}", flush=True)
+            told_of = f"{AUTHALIC} iterations, L2 {stretch:.4f}; homeo's share {share:.3f}"
+            print(f"circle: CGAL {seconds:.2f} s, {told_of}", flush=True)
         except subprocess.CalledProcessError:
             print("SKIPPED: no CGAL here", file=sys.stderr)
         seconds, stretch, done = slim(mesh, ours["free"][1])

@@ -1,4 +1,5 @@
-//! Kernels: one file each, with the CPU reference and the launch of `kernels/NAME.wgsl`, same inputs, same outputs.
+//! Kernels: one file each, with the CPU reference (the sweep's is [`sweep_lanes`]) and the launch of `kernels/NAME.wgsl`,
+//! same inputs, same outputs.
 //!
 //! The reference of a kernel is the specification: plain arithmetic in f32, one element at a time, in the order the
 //! WGSL text has. Elements are independent, so rayon spreads them over threads, and registers hold several of them,

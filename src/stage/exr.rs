@@ -1,9 +1,10 @@
-//! Flat 32-bit float images as OpenEXR files: ZIP scanlines if nothing else is asked for, row 0 at the top, one custom attribute with JSON text.
+//! Flat 32-bit float images as OpenEXR files: ZIP scanlines if nothing else is asked for, row 0 at the top, one custom
+//! attribute with JSON text.
 //!
 //! The bytes depend on the image and the text alone. Blocks of scanlines are compressed in parallel, a bounded number
 //! at a time and whichever bands they came with, in the current rayon pool (the file library's own parallel writer would
-//! start threads of its own), and are written from top to bottom. There is one custom attribute only because the library keeps attributes in a hash
-//! map, whose order changes from run to run.
+//! start threads of its own), and are written from top to bottom. There is one custom attribute only because the library
+//! keeps attributes in a hash map, whose order changes from run to run.
 
 use crate::error::{Error, Result};
 use exr::block::chunk::Chunk;
