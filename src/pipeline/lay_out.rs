@@ -10,7 +10,7 @@ use crate::stage::compose::compose;
 use crate::stage::embed::embed;
 use crate::stage::greedy::Greedy;
 use crate::stage::hypothesis::Rough;
-use crate::stage::layout::{Layout, greedy_layout, guided_layout, guided_layouts, layouts};
+use crate::stage::layout::{Layout, greedy_layout, guided_by, guided_layouts, layouts};
 use crate::stage::relax::{RelaxOptions, relax_arcs};
 use glam::DVec3;
 
@@ -46,8 +46,9 @@ fn hypothesis(compute: &Compute, meshes: [&TriMesh; 2], set: &BaseVertices, cycl
     let mut last = all[0].clone();
     for _ in 1..cycles {
         let rough = finished_map(compute, meshes, last)?;
-        last = guided_layout(meshes, set, &rough, EDGE_NODES)?;
-        all.push(last.clone());
+        let guided = guided_by(meshes, set, &rough, EDGE_NODES)?;
+        last = guided[0].clone();
+        all.extend(guided);
     }
     all.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
     all.truncate(CANDIDATES);

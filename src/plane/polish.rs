@@ -4,13 +4,13 @@
 //! may be turned over although the map is not, and even where it is not turned its shape is not what the map's energy
 //! says. Here the energy of the sampled triangles of both meshes falls: a vertex takes its own image along, and the
 //! images of the other mesh's vertices that lie in the triangles around it. A triangle that is turned over costs as much as
-//! many that are stretched, and more the farther it is turned. The map stays a homeomorphism.
+//! many that are stretched, and more the farther it is turned; one whose image is much larger costs more than its energy, for
+//! it hides how the other surface really looks. The map stays a homeomorphism.
 
 use super::domain::{Domain, Fans};
 use super::samples::{Sample, Samples};
 use super::walk::{Spot, walk};
 use crate::mesh::metric;
-use crate::solve::dirichlet::Metrics;
 use glam::{DMat2, DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -258,7 +258,7 @@ impl Polisher<'_> {
             let area = self.samples[side].area[f as usize];
             if area > 0.0 {
                 let flat = metric::flatten(image.map(|i| i.point));
-                state.cost += self.samples[side].rest[f as usize].energy(&Metrics::identity(area), flat);
+                state.cost += self.samples[side].rest[f as usize].cost(area, flat);
             }
         }
         state
@@ -288,7 +288,7 @@ impl Polisher<'_> {
             let Some(image) = self.face_image(side, f).filter(|_| area > 0.0) else { continue };
             let points = image.map(|i| i.point);
             let flat = metric::flatten(points);
-            let block = self.samples[side].rest[f as usize].block(&Metrics::identity(area), flat);
+            let block = self.samples[side].rest[f as usize].cost_block(area, flat);
             let along = (points[1] - points[0]).normalize_or_zero();
             let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
             let axes = [along, normal.cross(along)];
@@ -346,6 +346,7 @@ fn facing([a, b, c]: &[Sample; 3]) -> f64 {
 mod tests {
     use super::super::grid::{grid, swirl};
     use super::*;
+    use crate::solve::dirichlet::Metrics;
 
     fn samples(domain: &Domain) -> Samples {
         Samples::new(domain, domain.triangles.clone(), &[], &[], domain.free.clone(), 1000.0)

@@ -2,6 +2,7 @@
 
 use super::carry::{Carried, Carrier};
 use super::cluster::BaseVertices;
+use super::guided::Lead;
 use super::joint::{Grown, grow};
 use super::order::{ORDERS, Order, arrange};
 use super::take_out::take_out;
@@ -26,8 +27,8 @@ pub enum Way {
     Carried(usize, Order),
     /// Grown on both at once, handles opened where the source (0) or target (1) has them shortest.
     Joint(usize),
-    /// Along path hypotheses.
-    Guided,
+    /// Along path hypotheses, some of them first.
+    Guided(Lead),
     /// By the greedy heuristic.
     Greedy,
 }

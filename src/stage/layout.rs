@@ -7,8 +7,8 @@
 use super::candidate::{Candidate, SCOUT_NODES, Way, candidates, published};
 use super::cluster::BaseVertices;
 use super::greedy::{Greedy, greedy};
-use super::guided::guided;
-use super::hypothesis::{Rough, rough_map};
+use super::guided::{Lead, guided};
+use super::hypothesis::{Rough, path_hypotheses, rough_map};
 use super::joint::Grown;
 use crate::error::{Error, Result};
 use crate::mesh::TriMesh;
@@ -83,25 +83,36 @@ pub fn published_layout(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u
     finish(meshes, candidate.keep(meshes, set.lasting)?, edge_nodes)
 }
 
-/// Lays out both meshes along the path hypotheses of a rough map (HYPOTHESIS 3).
-pub fn guided_layout(meshes: [&TriMesh; 2], set: &BaseVertices, rough: &Rough, edge_nodes: u32) -> Result<Layout> {
-    let (grown, postponed) = guided(meshes, set, rough, SCOUT_NODES)?;
-    settle(meshes, set, grown, Way::Guided, postponed, edge_nodes)
+/// Lays out both meshes along the path hypotheses of a rough map (HYPOTHESIS 3), the shortest leading, and those of the
+/// outermost base vertices; the layout with the shorter arcs first.
+pub fn guided_by(meshes: [&TriMesh; 2], set: &BaseVertices, rough: &Rough, edge_nodes: u32) -> Result<Vec<Layout>> {
+    let hypotheses = path_hypotheses(meshes, set.vertices.each_ref().map(Vec::as_slice), rough);
+    let one = |lead: Lead| {
+        let (grown, postponed) = guided(meshes, set, &hypotheses, lead, SCOUT_NODES)?;
+        settle(meshes, set, grown, Way::Guided(lead), postponed, edge_nodes)
+    };
+    let (shortest, outermost) = rayon::join(|| one(Lead::Shortest), || one(Lead::OuterTree));
+    Ok(sorted(meshes, vec![shortest?, outermost?]))
 }
 
 /// Lays out both meshes along the path hypotheses of the source draped over the target, and along those of the target over
-/// the source; the layout with the shorter arcs first.
+/// the source; the layout with the shortest arcs first.
 pub fn guided_layouts(meshes: [&TriMesh; 2], set: &BaseVertices, edge_nodes: u32) -> Result<Vec<Layout>> {
     let one = |meshes: [&TriMesh; 2], set: &BaseVertices| {
         let rough = rough_map(meshes, set.vertices.each_ref().map(Vec::as_slice))?;
-        guided_layout(meshes, set, &rough, edge_nodes)
+        guided_by(meshes, set, &rough, edge_nodes)
     };
     let [source, target] = meshes;
-    let swapped = || one([target, source], &set.swapped()).map(Layout::swapped);
-    let (forward, backward) = rayon::join(|| one(meshes, set), swapped);
-    let mut both = vec![forward?, backward?];
-    both.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
-    Ok(both)
+    let (forward, backward) = rayon::join(|| one(meshes, set), || one([target, source], &set.swapped()));
+    let mut all = forward?;
+    all.extend(backward?.into_iter().map(Layout::swapped));
+    Ok(sorted(meshes, all))
+}
+
+/// The layout with the shortest arcs first.
+fn sorted(meshes: [&TriMesh; 2], mut layouts: Vec<Layout>) -> Vec<Layout> {
+    layouts.sort_by(|a, b| a.size(meshes).total_cmp(&b.size(meshes)));
+    layouts
 }
 
 /// Lays out both meshes by the greedy heuristic, as far as it goes.

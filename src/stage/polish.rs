@@ -23,7 +23,7 @@ use std::collections::{HashMap, HashSet};
 
 /// What a triangle that is turned over costs in every visit of all domains, in energies of a triangle of mean area under
 /// an isometry: much at first, when the most can be turned back, then less, so that none stays badly stretched for it.
-pub const DREAD: [f64; 6] = [3000.0, 1000.0, 300.0, 300.0, 300.0, 300.0];
+pub const DREAD: [f64; 6] = [3000.0, 1000.0, 400.0, 400.0, 400.0, 400.0];
 /// The same for large meshes, where a round takes long and the first brings nearly all.
 pub const HASTY_DREAD: [f64; 2] = [3000.0, 300.0];
 /// The round from which on they may end: in those before, the dread falls.
