@@ -258,7 +258,7 @@ impl Polisher<'_> {
             let area = self.samples[side].area[f as usize];
             if area > 0.0 {
                 let flat = metric::flatten(image.map(|i| i.point));
-                state.cost += self.samples[side].rest[f as usize].cost(area, flat);
+                state.cost += self.samples[side].rest[f as usize].cost(area, self.samples[side].dislike, flat);
             }
         }
         state
@@ -288,7 +288,7 @@ impl Polisher<'_> {
             let Some(image) = self.face_image(side, f).filter(|_| area > 0.0) else { continue };
             let points = image.map(|i| i.point);
             let flat = metric::flatten(points);
-            let block = self.samples[side].rest[f as usize].cost_block(area, flat);
+            let block = self.samples[side].rest[f as usize].cost_block(area, self.samples[side].dislike, flat);
             let along = (points[1] - points[0]).normalize_or_zero();
             let normal = (points[1] - points[0]).cross(points[2] - points[0]).normalize_or_zero();
             let axes = [along, normal.cross(along)];
@@ -345,11 +345,19 @@ fn facing([a, b, c]: &[Sample; 3]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::grid::{grid, swirl};
+    use super::super::samples::Price;
     use super::*;
     use crate::solve::dirichlet::Metrics;
 
     fn samples(domain: &Domain) -> Samples {
-        Samples::new(domain, domain.triangles.clone(), &[], &[], domain.free.clone(), 1000.0)
+        Samples::new(
+            domain,
+            domain.triangles.clone(),
+            &[],
+            &[],
+            domain.free.clone(),
+            Price { dread: 1000.0, dislike: 0.03 },
+        )
     }
 
     /// Energy and number of turned triangles of the images of `mesh`.

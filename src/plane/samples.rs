@@ -20,6 +20,15 @@ pub struct Sample {
     pub normal: DVec3,
 }
 
+/// What triangles cost besides their energy.
+#[derive(Clone, Copy, Debug)]
+pub struct Price {
+    /// One that is turned over, in energies of a triangle of mean area under an isometry.
+    pub dread: f64,
+    /// One with a larger image, as a share of its energy, times the square of the factor by which it is larger.
+    pub dislike: f64,
+}
+
 /// The original triangles of one mesh with a corner in a domain, by vertices of the domain and, behind them, those outside.
 pub struct Samples {
     /// So many of the triangles are whole, the others parts of them.
@@ -32,6 +41,8 @@ pub struct Samples {
     pub(super) area: Vec<f64>,
     /// What a triangle that is turned over costs.
     pub(super) dread: f64,
+    /// What one with a larger image costs, as [`Price::dislike`].
+    pub(super) dislike: f64,
     /// The faces around every vertex.
     pub(super) around: Vec<Vec<u32>>,
     /// Whether a vertex may move.
@@ -43,15 +54,14 @@ pub struct Samples {
 impl Samples {
     /// From the triangles by number of their corners, vertices of the domain first, and those outside: their points on
     /// their own mesh and where they lie on the other one. `parts` are the domain's triangles that are only parts of original
-    /// ones. `dread` is what a triangle that is turned over costs, in energies
-    /// of a triangle of mean area under an isometry.
+    /// ones.
     pub fn new(
         domain: &Domain,
         mut faces: Vec<[u32; 3]>,
         parts: &[[u32; 3]],
         outside: &[(DVec3, Sample)],
         free: Vec<bool>,
-        dread: f64,
+        price: Price,
     ) -> Self {
         let count = domain.vertices.len();
         let whole = faces.len();
@@ -72,7 +82,8 @@ impl Samples {
             faces,
             rest,
             area,
-            dread: dread * mean,
+            dread: price.dread * mean,
+            dislike: price.dislike,
             around,
             free,
             outside: outside.iter().map(|o| o.1).collect(),

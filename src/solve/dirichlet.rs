@@ -12,10 +12,6 @@
 
 use glam::{DMat2, DVec2};
 
-/// What a triangle of a compatible mesh costs, next to its energy, for the square of the factor by which its image is larger.
-/// Less and E_L2 is that of a few triangles which span limbs of the other surface; more and the others bend for them.
-const SWELLING: f64 = 0.03;
-
 /// The metrics over a triangle, gathered.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Metrics {
@@ -95,25 +91,25 @@ impl Rest {
     }
 
     /// What a triangle of a compatible mesh costs, of the given area and with its image laid flat: its energy E times
-    /// 1 + c D^2, where the image is D times as large.
-    pub fn cost(&self, area: f64, image: [DVec2; 3]) -> f64 {
+    /// 1 + c D^2, where the image is D times as large and c is `dislike`.
+    pub fn cost(&self, area: f64, dislike: f64, image: [DVec2; 3]) -> f64 {
         let swelling = self.swelling(image);
-        self.energy(&Metrics::identity(area), image) * (1.0 + SWELLING * swelling * swelling)
+        self.energy(&Metrics::identity(area), image) * (1.0 + dislike * swelling * swelling)
     }
 
     /// Derivatives of the cost by all three corners, the second one made positive semidefinite: of what is not the energy's
     /// own, that multiple of c E dD dD' is kept which is right where the image grows evenly.
-    pub fn cost_block(&self, area: f64, image: [DVec2; 3]) -> Block {
+    pub fn cost_block(&self, area: f64, dislike: f64, image: [DVec2; 3]) -> Block {
         let [p, b, c] = image;
         let mut block = self.block(&Metrics::identity(area), image);
         let energy = self.energy(&Metrics::identity(area), image);
         let swelling = self.swelling(image);
         let slope = [c - b, p - c, b - p].map(|edge| edge.perp() * self.inverse.determinant());
         let square = swelling * swelling;
-        let factor = 1.0 + SWELLING * square;
-        let joint = SWELLING * energy * ((7.0 * square - 1.0) / (square + 1.0)).max(0.0);
+        let factor = 1.0 + dislike * square;
+        let joint = dislike * energy * ((7.0 * square - 1.0) / (square + 1.0)).max(0.0);
         for i in 0..3 {
-            block.gradient[i] = block.gradient[i] * factor + slope[i] * (2.0 * SWELLING * swelling * energy);
+            block.gradient[i] = block.gradient[i] * factor + slope[i] * (2.0 * dislike * swelling * energy);
             for j in 0..3 {
                 block.hessian[i][j] = block.hessian[i][j] * factor + outer(slope[i], slope[j]) * joint;
             }
@@ -184,22 +180,22 @@ mod tests {
     fn a_larger_image_costs_more_than_a_smaller_one() {
         let rest = Rest::new(REST);
         let scaled = |s: f64| REST.map(|p| p * s);
-        assert!((rest.cost(1.0, REST) - (1.0 + SWELLING)).abs() < 1e-12);
-        assert!(rest.cost(1.0, scaled(4.0)) > 2.0 * rest.cost(1.0, scaled(0.25)));
-        assert!(rest.cost(1.0, [REST[0], REST[2], REST[1]]).is_infinite());
+        assert!((rest.cost(1.0, 0.1, REST) - 1.1).abs() < 1e-12);
+        assert!(rest.cost(1.0, 0.1, scaled(4.0)) > 2.0 * rest.cost(1.0, 0.1, scaled(0.25)));
+        assert!(rest.cost(1.0, 0.1, [REST[0], REST[2], REST[1]]).is_infinite());
     }
 
     #[test]
     fn the_slope_of_the_cost_is_what_differences_tell() {
         let rest = Rest::new(REST);
         for image in [REST, [DVec2::new(0.3, -0.2), DVec2::new(7.0, 1.0), DVec2::new(-1.0, 4.0)]] {
-            let block = rest.cost_block(0.7, image);
+            let block = rest.cost_block(0.7, 0.1, image);
             for i in 0..3 {
                 for axis in [DVec2::X, DVec2::Y] {
                     let at = |step: f64| {
                         let mut moved = image;
                         moved[i] += axis * step;
-                        rest.cost(0.7, moved)
+                        rest.cost(0.7, 0.1, moved)
                     };
                     let slope = (at(1e-6) - at(-1e-6)) / 2e-6;
                     let told = block.gradient[i].dot(axis);

@@ -3,6 +3,7 @@
 //! Input: a relaxed embedding. Output: the same with some vertices moved a little, so that the sampled triangles of both
 //! meshes have less energy and fewer of them are turned over. Invariant: every patch stays embedded.
 
+use super::levels::CRUSHED;
 use super::relax::{LEAST_SNAP, domains, independent_domains, thin_domains, unit_scale};
 use super::visits::Visits;
 use crate::deadline;
@@ -13,7 +14,7 @@ use crate::map::surface_map::{Chart, compose};
 use crate::mesh::{FaceId, IdVec, SurfacePoint, TriMesh, VertexId, face_of, metric};
 use crate::plane::domain::Domain;
 use crate::plane::polish::polish;
-use crate::plane::samples::{Sample, Samples};
+use crate::plane::samples::{Price, Sample, Samples};
 use crate::plane::straighten::straighten;
 use crate::plane::tiling::Tiling;
 use crate::solve::dirichlet::{Metrics, Rest};
@@ -26,6 +27,10 @@ use std::collections::{HashMap, HashSet};
 pub const DREAD: [f64; 6] = [3000.0, 1000.0, 400.0, 400.0, 400.0, 400.0];
 /// The same for large meshes, where a round takes long and the first brings nearly all.
 pub const HASTY_DREAD: [f64; 2] = [3000.0, 300.0];
+/// What a triangle costs for an image that is larger, as a share of its energy, times the square of the factor by which it is
+/// larger. With less, E_L2 is that of a few triangles that span limbs of the other surface; with more, the others bend for
+/// them. Where a domain is crushed this is no help: all it has swells.
+const DISLIKE: f64 = 0.03;
 /// The round from which on they may end: in those before, the dread falls.
 const EARLIEST_END: usize = 2;
 /// A visit that lowers the energy by a smaller share of the domain's area leaves it settled.
@@ -118,16 +123,18 @@ fn locate(meshes: [&TriMesh; 2], embedding: &Embedding, scale: [f64; 2]) -> Resu
 fn sampled_energy(meshes: [&TriMesh; 2], images: &Images, scale: [f64; 2]) -> f64 {
     let one_way = |k: usize| {
         let mesh = meshes[k];
-        let one = |f: FaceId| {
-            let points = mesh.triangle(f).map(|p| p * scale[k]);
-            let image = mesh.conn.face(f).map(|v| images[k][v].point);
-            let (area, flat) = (metric::area(points), metric::flatten(image));
-            let energy = Rest::new(metric::flatten(points)).energy(&Metrics::identity(area), flat);
-            if energy.is_finite() { energy } else { 0.0 }
-        };
-        mesh.conn.faces().map(one).sum::<f64>()
+        mesh.conn.faces().map(|f| face_energy(mesh, f, &images[k], scale[k])[0]).sum::<f64>()
     };
     0.5 * (one_way(0) + one_way(1))
+}
+
+/// Energy of a face and its area; none where it has no area, here or there.
+fn face_energy(mesh: &TriMesh, f: FaceId, images: &IdVec<VertexId, Sample>, scale: f64) -> [f64; 2] {
+    let points = mesh.triangle(f).map(|p| p * scale);
+    let image = mesh.conn.face(f).map(|v| images[v].point);
+    let (area, flat) = (metric::area(points), metric::flatten(image));
+    let energy = Rest::new(metric::flatten(points)).energy(&Metrics::identity(area), flat);
+    if energy.is_finite() { [energy, area] } else { [0.0; 2] }
 }
 
 /// Polishes a domain; also returns by which share of its area the energy fell.
@@ -173,8 +180,11 @@ fn samples(mesh: &TriMesh, domain: &Domain, images: &IdVec<VertexId, Sample>, sc
     let mut outside = Vec::new();
     let mut seen = HashSet::new();
     let mut faces = Vec::new();
+    let mut sums = [0.0; 2];
     for &v in domain.vertices.iter().filter(|v| is_original(**v)) {
         for f in mesh.conn.outgoing(v).map(face_of).filter(|f| seen.insert(*f)) {
+            let [energy, area] = face_energy(mesh, f, images, scale);
+            sums = [sums[0] + energy, sums[1] + area];
             faces.push(mesh.conn.face(f).map(|w| {
                 *number.entry(w).or_insert_with(|| {
                     outside.push((mesh.positions[w] * scale, images[w]));
@@ -185,5 +195,6 @@ fn samples(mesh: &TriMesh, domain: &Domain, images: &IdVec<VertexId, Sample>, sc
     }
     let has_extra = |t: &&[u32; 3]| t.iter().any(|&v| !is_original(domain.vertices[v as usize]));
     let parts: Vec<[u32; 3]> = domain.triangles.iter().filter(has_extra).copied().collect();
-    Samples::new(domain, faces, &parts, &outside, domain.free.clone(), dread)
+    let dislike = if sums[0] > CRUSHED * sums[1] { 0.0 } else { DISLIKE };
+    Samples::new(domain, faces, &parts, &outside, domain.free.clone(), Price { dread, dislike })
 }
