@@ -102,8 +102,8 @@ fn the_hypothesis_decides_which_way_around_a_handle() {
     }
 }
 
-/// Where a base vertex far out is passed on different sides on the two meshes, its arcs wind around those that are there: so
-/// it is with seed 27 if the shortest paths lead alone.
+/// Where a base vertex is passed on different sides on the two meshes before it has an arc, its arcs wind around those that are
+/// there: so it is with seed 27 if the outermost base vertices lead alone.
 #[test]
 fn guided_arcs_do_not_wind_wherever_the_landmarks_are() {
     for seed in 24..28 {

@@ -10,12 +10,12 @@ use super::cluster::BaseVertices;
 use super::growth::Growth;
 use super::hypothesis::PathHypothesis;
 use super::joint::Grown;
+use super::order::{outwardness, tree_first};
 use crate::error::Result;
-use crate::mesh::{IdVec, LandmarkId, TriMesh};
+use crate::mesh::TriMesh;
 use crate::path::punishment::Punishment;
 use crate::path::region::base_complex;
 use crate::path::search::{Anywhere, Bounds, Path};
-use std::cmp::Ordering;
 
 /// An arc longer than its hypothesis by this factor on both meshes swirls (HYPOTHESIS 3.2: k = 1.5); then by the next.
 const SWIRL: [f64; 2] = [1.5, 3.0];
@@ -81,30 +81,11 @@ pub fn guided(
 /// Sorts the hypotheses of paths between so many base vertices; they come with the shortest first.
 fn arrange(hypotheses: &[PathHypothesis], lead: Lead, units: [f64; 2], count: usize) -> Vec<&PathHypothesis> {
     let mut sorted: Vec<&PathHypothesis> = hypotheses.iter().collect();
-    if lead == Lead::Shortest {
-        return sorted;
+    if lead == Lead::OuterTree {
+        let length = |path: &PathHypothesis| (0..2).map(|k| path.lengths[k] / units[k]).sum();
+        let outward = outwardness(count, hypotheses.iter().map(|path| (path.ends, length(path))));
+        tree_first(&mut sorted, |path| path.ends, &outward);
     }
-    let mut reach: IdVec<LandmarkId, [f64; 2]> = IdVec::filled([0.0; 2], count);
-    let mut part: IdVec<LandmarkId, usize> = IdVec::from_raw((0..count).collect());
-    let mut tree = Vec::new();
-    for path in hypotheses {
-        let length = (0..2).map(|k| path.lengths[k] / units[k]).sum::<f64>();
-        for l in path.ends {
-            reach[l] = [reach[l][0] + length, reach[l][1] + 1.0];
-        }
-        let [a, b] = path.ends.map(|l| part[l]);
-        if a != b {
-            part.raw.iter_mut().filter(|p| **p == a).for_each(|p| *p = b);
-            tree.push(path.ends);
-        }
-    }
-    let outward = |path: &PathHypothesis| path.ends.map(|l| reach[l][0] / reach[l][1]).into_iter().fold(0.0, f64::max);
-    sorted.sort_by(|a, b| match [a, b].map(|path| tree.contains(&path.ends)) {
-        [true, true] => outward(b).total_cmp(&outward(a)),
-        [true, false] => Ordering::Less,
-        [false, true] => Ordering::Greater,
-        [false, false] => Ordering::Equal,
-    });
     sorted
 }
 

@@ -3,7 +3,6 @@
 use super::trace::{Link, Traced};
 use crate::mesh::{ArcId, Id, IdVec, LandmarkId};
 use crate::path::cluster::Clusters;
-use std::cmp::Ordering;
 
 /// A rule that sorts the arcs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,20 +24,40 @@ pub const ORDERS: [Order; 4] = [Order::Cuts, Order::Shortest, Order::Tree, Order
 pub fn arrange(order: Order, source: &Traced, target: &Clusters, length: &IdVec<ArcId, f64>) -> Vec<ArcId> {
     let mut arcs: Vec<ArcId> = source.base.arcs.ids().collect();
     arcs.sort_by(|&a, &b| length[a].total_cmp(&length[b]));
-    let tree = spanning_tree(source, &arcs);
+    let (count, ends) = (source.cut.landmarks.len(), |a: ArcId| source.base.arcs[a]);
     match order {
         Order::Shortest => {}
         Order::Cuts => arcs.sort_by_key(|&a| cut_class(source, target, a)),
-        Order::Tree => arcs.sort_by_key(|&a| !tree[a]),
+        // How far out landmarks lie does not matter: the shortest arcs of the tree stay first.
+        Order::Tree => tree_first(&mut arcs, ends, &IdVec::filled(0.0, count)),
         Order::OuterTree => {
-            let reach = outwardness(source, length);
-            let outer = |a: ArcId| source.base.arcs[a].map(|l| reach[l]).into_iter().fold(0.0, f64::max);
-            arcs.sort_by(|&a, &b| {
-                tree[b].cmp(&tree[a]).then(if tree[a] { outer(b).total_cmp(&outer(a)) } else { Ordering::Equal })
-            });
+            let lengths = source.base.arcs.iter_ids().map(|(a, &ends)| (ends, length[a]));
+            tree_first(&mut arcs, ends, &outwardness(count, lengths));
         }
     }
     arcs
+}
+
+/// Puts the paths of the shortest spanning tree first, those that end farthest out leading; `sorted` lists all paths, shortest
+/// first, and what is equal keeps its order.
+pub(super) fn tree_first<T: Copy>(
+    sorted: &mut [T],
+    ends: impl Fn(T) -> [LandmarkId; 2],
+    outward: &IdVec<LandmarkId, f64>,
+) {
+    let mut part: IdVec<LandmarkId, u32> = outward.ids().map(|l| l.index() as u32).collect();
+    let mut key = |&path: &T| {
+        let ends = ends(path);
+        let [a, b] = ends.map(|l| part[l]);
+        if a != b {
+            part.raw.iter_mut().filter(|p| **p == a).for_each(|p| *p = b);
+        }
+        let is_in_tree = a != b;
+        (is_in_tree, if is_in_tree { ends.map(|l| outward[l]).into_iter().fold(0.0, f64::max) } else { 0.0 }, path)
+    };
+    let mut keyed: Vec<(bool, f64, T)> = sorted.iter().map(&mut key).collect();
+    keyed.sort_by(|a, b| b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)));
+    sorted.iter_mut().zip(keyed).for_each(|(path, (_, _, now))| *path = now);
 }
 
 /// Class of an arc in VORONOI's procedure 1: 0 single cut on both, 1 no cut, 2 several cuts.
@@ -52,26 +71,15 @@ fn cut_class(source: &Traced, target: &Clusters, arc: ArcId) -> u8 {
     }
 }
 
-/// Marks the arcs of the shortest spanning tree; `sorted` lists all arcs, shortest first.
-fn spanning_tree(source: &Traced, sorted: &[ArcId]) -> IdVec<ArcId, bool> {
-    let mut part: IdVec<LandmarkId, u32> = source.cut.landmarks.ids().map(|l| l.index() as u32).collect();
-    let mut tree = IdVec::filled(false, source.base.arcs.len());
-    for &arc in sorted {
-        let [a, b] = source.base.arcs[arc].map(|l| part[l]);
-        if a != b {
-            tree[arc] = true;
-            part.raw.iter_mut().filter(|p| **p == a).for_each(|p| *p = b);
-        }
-    }
-    tree
-}
-
-/// How far out every landmark lies: its mean arc length.
-fn outwardness(source: &Traced, length: &IdVec<ArcId, f64>) -> IdVec<LandmarkId, f64> {
-    let mut sum = IdVec::filled((0.0, 0.0), source.cut.landmarks.len());
-    for (arc, ends) in source.base.arcs.iter_ids() {
-        for &l in ends {
-            sum[l] = (sum[l].0 + length[arc], sum[l].1 + 1.0);
+/// How far out every one of `count` landmarks lies: the mean length of the paths that end there.
+pub(super) fn outwardness(
+    count: usize,
+    lengths: impl Iterator<Item = ([LandmarkId; 2], f64)>,
+) -> IdVec<LandmarkId, f64> {
+    let mut sum = IdVec::filled((0.0, 0.0), count);
+    for (ends, length) in lengths {
+        for l in ends {
+            sum[l] = (sum[l].0 + length, sum[l].1 + 1.0);
         }
     }
     sum.iter().map(|&(s, n)| s / f64::max(n, 1.0)).collect()
