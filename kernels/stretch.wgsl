@@ -1,8 +1,8 @@
 // Stretch of every triangle: singular values of the affine map from positions `source` to positions `image`.
 // Reference: src/kernel/stretch.rs.
 
-// Edges are measured in units of their triangle's longest component, and that unit must lie in this range: beyond it,
-// areas leave the range of f32.
+// The longest component of a triangle's edges must lie in this range: beyond it, areas leave the range of f32. Edges are
+// measured in units of the largest power of two not above it, which is exact.
 const MIN_LENGTH: f32 = 1e-12;
 const MAX_LENGTH: f32 = 1e12;
 // Twice the area, in those units, below which a triangle has no height: coordinates of order one in f32 say nothing
@@ -22,10 +22,10 @@ fn dot3(a: vec3<f32>, b: vec3<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-fn double_area(u: vec3<f32>, w: vec3<f32>) -> f32 {
+fn double_area_squared(u: vec3<f32>, w: vec3<f32>) -> f32 {
     let n = vec3<f32>(u.y * w.z - u.z * w.y, u.z * w.x - u.x * w.z, u.x * w.y - u.y * w.x);
     let square = dot3(n, n);
-    return select(0.0, sqrt(square), square >= MIN_SQUARE);
+    return select(0.0, square, square >= MIN_SQUARE);
 }
 
 fn longest(u: vec3<f32>, w: vec3<f32>) -> f32 {
@@ -33,22 +33,25 @@ fn longest(u: vec3<f32>, w: vec3<f32>) -> f32 {
     return max(max(m.x, m.y), m.z);
 }
 
-// Singular values of the map that takes edges u, w (spanning `twice` the triangle's area) to edges p, q.
-fn singular_values(u: vec3<f32>, w: vec3<f32>, twice: f32, p: vec3<f32>, q: vec3<f32>, image_twice: f32) -> vec2<f32> {
-    let width = sqrt(dot3(u, u));
-    let per_width = 1.0 / width;
-    let per_area = 1.0 / twice;
-    let x = p * per_width;
-    let shear = dot3(u, w) * per_width;
-    let y = (q - x * shear) * (width * per_area);
-    let a = dot3(x, x);
-    let b = dot3(x, y);
-    let c = dot3(y, y);
-    let large = sqrt((a + c + sqrt((a - c) * (a - c) + 4.0 * (b * b))) * 0.5);
-    if (!(large > 0.0)) {
-        return vec2<f32>(0.0, 0.0);
-    }
-    return vec2<f32>(large, min(image_twice * per_area / large, large));
+// The exponent of the largest power of two not above a positive normal number, where f32 has it; that of one divided by
+// the power is POWERS less this.
+fn exponent(x: f32) -> u32 {
+    return bitcast<u32>(x) & 0x7f800000u;
+}
+const POWERS: u32 = 0x7f000000u;
+
+// The larger singular value of the map that takes edges u, w (with `square` for the square of twice the triangle's area) to edges p, q.
+fn larger_value(u: vec3<f32>, w: vec3<f32>, square: f32, p: vec3<f32>, q: vec3<f32>) -> f32 {
+    let width = dot3(u, u);
+    let both = 1.0 / (width * square);
+    let per_width = both * square;
+    let per_square = both * width;
+    let y = q - p * (dot3(u, w) * per_width);
+    let a = dot3(p, p) * per_width;
+    let b = dot3(p, y);
+    let c = dot3(y, y) * (width * per_square);
+    let half = 0.5 * (a - c);
+    return sqrt(0.5 * (a + c) + sqrt(half * half + b * (b * per_square)));
 }
 
 @compute @workgroup_size(64)
@@ -62,28 +65,36 @@ fn stretch(@builtin(global_invocation_id) id: vec3<u32>) {
     let w = source[t.c].xyz - source[t.a].xyz;
     let p = image[t.b].xyz - image[t.a].xyz;
     let q = image[t.c].xyz - image[t.a].xyz;
-    let unit = longest(u, w);
-    let image_unit = longest(p, q);
+    let length = longest(u, w);
+    let image_length = longest(p, q);
     var result = Stretch(0.0, 0.0, 0.0, 0.0);
-    if (unit >= MIN_LENGTH && unit <= MAX_LENGTH && image_unit <= MAX_LENGTH) {
-        let per_unit = 1.0 / unit;
+    if (length >= MIN_LENGTH && length <= MAX_LENGTH && image_length <= MAX_LENGTH) {
+        let power = exponent(length);
+        let unit = bitcast<f32>(power);
+        let per_unit = bitcast<f32>(POWERS - power);
         let su = u * per_unit;
         let sw = w * per_unit;
-        let twice = double_area(su, sw);
-        if (twice >= MIN_DOUBLE_AREA) {
+        let square = double_area_squared(su, sw);
+        let has_area = square >= MIN_DOUBLE_AREA * MIN_DOUBLE_AREA;
+        let twice = sqrt(square);
+        if (has_area) {
             result.area_from = 0.5 * twice * unit * unit;
         }
-        if (image_unit >= MIN_LENGTH) {
-            let per_image_unit = 1.0 / image_unit;
+        if (image_length >= MIN_LENGTH) {
+            let image_power = exponent(image_length);
+            let image_unit = bitcast<f32>(image_power);
+            let per_image_unit = bitcast<f32>(POWERS - image_power);
             let sp = p * per_image_unit;
             let sq = q * per_image_unit;
-            let image_twice = double_area(sp, sq);
+            let image_twice = sqrt(double_area_squared(sp, sq));
             result.area_to = 0.5 * image_twice * image_unit * image_unit;
-            if (twice >= MIN_DOUBLE_AREA) {
-                let s = singular_values(su, sw, twice, sp, sq, image_twice);
-                let ratio = image_unit / unit;
-                result.large = s.x * ratio;
-                result.small = s.y * ratio;
+            if (has_area) {
+                let large = larger_value(su, sw, square, sp, sq);
+                let ratio = image_unit * per_unit;
+                if (large > 0.0) {
+                    result.large = large * ratio;
+                    result.small = min(image_twice / (twice * large), large) * ratio;
+                }
             }
         }
     }

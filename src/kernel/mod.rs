@@ -30,7 +30,7 @@ use crate::gpu::Kernel;
 pub use relax_session::{RelaxInput, RelaxOptions, RelaxResult, RelaxSession};
 pub use resample::{Query, resample};
 pub use rings::{Lists, Rings};
-pub use stretch::{Stretch, energy, stretch};
+pub use stretch::{Stretch, energy, stretch, stretch_into};
 pub use sweep::Sight;
 pub use sweep_batch::{Piece, sweep_all};
 pub use texels::{FlatTriangle, NO_TRIANGLE, Texel, texel_values, texels};

@@ -162,7 +162,9 @@ impl<'d> RelaxSession<'d> {
     pub fn read(&self) -> Result<RelaxResult> {
         let (positions, stretches) = match &self.backend {
             Backend::Cpu(state) => {
-                (state.positions.clone(), state.stretches(&self.triangles, &self.normalised.surface))
+                let mut stretches = bytemuck::zeroed_vec(self.triangles.len());
+                measure(&self.triangles, &state.positions, &self.normalised.surface, &mut stretches);
+                (state.positions.clone(), stretches)
             }
             Backend::Gpu(state) => state.read()?,
         };
@@ -186,6 +188,7 @@ struct CpuState {
     incident: Lists,
     coloring: Coloring,
     positions: Vec<Lanes>,
+    stretches: Vec<Stretch>,
     sigma: Vec<f32>,
 }
 
@@ -196,19 +199,16 @@ impl CpuState {
             weights: patches.input.weights.to_vec(),
             incident: patches.incident,
             coloring: patches.coloring,
+            stretches: bytemuck::zeroed_vec(patches.input.triangles.len()),
             sigma: vec![1.0; patches.plane.len()],
             positions: patches.plane,
         }
     }
 
-    fn stretches(&self, triangles: &[[u32; 3]], surface: &[Lanes]) -> Vec<Stretch> {
-        stretch::reference(triangles, &self.positions, surface).expect("the lists of incident triangles have them all")
-    }
-
     fn run(&mut self, triangles: &[[u32; 3]], surface: &[Lanes], options: &RelaxOptions) {
         for _ in 0..options.sweeps {
-            let stretches = self.stretches(triangles, surface);
-            self.sigma = vertex_stretch::reference(&self.incident, &stretches, &self.sigma, options.power);
+            measure(triangles, &self.positions, surface, &mut self.stretches);
+            self.sigma = vertex_stretch::reference(&self.incident, &self.stretches, &self.sigma, options.power);
             for c in 0..self.coloring.colors() {
                 let vertices = self.coloring.class(c);
                 let positions = &mut self.positions;
@@ -216,6 +216,11 @@ impl CpuState {
             }
         }
     }
+}
+
+/// The stretch of triangles between places in the plane and on the surface.
+fn measure(triangles: &[[u32; 3]], plane: &[Lanes], surface: &[Lanes], stretches: &mut [Stretch]) {
+    stretch::reference(triangles, plane, surface, stretches).expect("the lists of incident triangles have them all");
 }
 
 struct GpuState<'d> {

@@ -19,8 +19,8 @@ pub const KERNEL: Kernel = Kernel {
     buffers: &[Access::Read, Access::Read, Access::Read, Access::ReadWrite],
 };
 
-/// Edges are measured in units of their triangle's longest component, and that unit must lie in
-/// `MIN_LENGTH..=MAX_LENGTH`: beyond it, areas leave the range of f32.
+/// The longest component of a triangle's edges must lie in `MIN_LENGTH..=MAX_LENGTH`: beyond it, areas leave the range of
+/// f32. Edges are measured in units of the largest power of two not above it, which is exact.
 pub const MIN_LENGTH: f32 = 1e-12;
 /// See [`MIN_LENGTH`].
 pub const MAX_LENGTH: f32 = 1e12;
@@ -51,30 +51,50 @@ pub struct Stretch {
 ///
 /// Fails when a triangle has a corner that does not exist, or on a device error.
 pub fn stretch(compute: &Compute, triangles: &[[u32; 3]], source: &[Lanes], image: &[Lanes]) -> Result<Vec<Stretch>> {
+    let mut stretches = bytemuck::zeroed_vec(triangles.len());
+    stretch_into(compute, triangles, source, image, &mut stretches)?;
+    Ok(stretches)
+}
+
+/// [`stretch`] into memory that is there already, one entry for every triangle; after an error it holds anything.
+pub fn stretch_into(
+    compute: &Compute,
+    triangles: &[[u32; 3]],
+    source: &[Lanes],
+    image: &[Lanes],
+    stretches: &mut [Stretch],
+) -> Result<()> {
     check_len("image positions", image.len(), source.len())?;
+    check_len("stretches", stretches.len(), triangles.len())?;
     let check = || check_indices("triangle corner", triangles.as_flattened(), source.len());
     match compute {
         // The twin finds out by itself; who it was is looked for then.
-        Compute::Cpu => match reference(triangles, source, image) {
-            Some(stretches) => Ok(stretches),
+        Compute::Cpu => match reference(triangles, source, image, stretches) {
+            Some(()) => Ok(()),
             None => check().and(Err(Error::bug("the stretch of triangles whose corners all exist"))),
         },
-        Compute::Gpu(gpu) => check().and_then(|()| on_device(gpu, triangles, source, image)),
+        Compute::Gpu(gpu) => check().and_then(|()| on_device(gpu, triangles, source, image, stretches)),
     }
 }
 
 /// Triangles go through in pieces a device can bind at once, vertices stay.
-fn on_device(gpu: &GpuDevice, triangles: &[[u32; 3]], source: &[Lanes], image: &[Lanes]) -> Result<Vec<Stretch>> {
+fn on_device(
+    gpu: &GpuDevice,
+    triangles: &[[u32; 3]],
+    source: &[Lanes],
+    image: &[Lanes],
+    result: &mut [Stretch],
+) -> Result<()> {
     let source = gpu.upload("source", source)?;
     let image = gpu.upload("image", image)?;
-    let mut result = Vec::with_capacity(triangles.len());
-    for piece in triangles.chunks(gpu.stream_len::<Stretch>()) {
+    let len = gpu.stream_len::<Stretch>();
+    for (piece, result) in triangles.chunks(len).zip(result.chunks_mut(len)) {
         let triangles = gpu.upload("triangles", piece)?;
         let stretches = gpu.allocate("stretches", piece.len())?;
         gpu.submit([&launch(gpu, &triangles, &source, &image, &stretches)])?;
-        result.extend(gpu.download(&stretches)?);
+        result.copy_from_slice(&gpu.download(&stretches)?);
     }
-    Ok(result)
+    Ok(())
 }
 
 /// Binds the kernel to its buffers.
@@ -101,18 +121,29 @@ type Columns = [Column; 3];
 struct Block {
     /// The edges from the first corner to the second and to the third, before the map and after it.
     edges: [[Columns; 2]; 2],
+    maps: Maps,
     /// The members of [`Stretch`].
     members: [Column; 4],
 }
 
+/// What the members of a block's [`Stretch`] follow from.
+struct Maps {
+    /// The mean of the squared singular values.
+    mean: Column,
+    /// The square of how far they are from it.
+    spread: Column,
+    /// The squares of twice the areas before the map and after it.
+    squares: [Column; 2],
+    /// The units of length before the map and after it; 0 where there is no area, and no image.
+    units: [Column; 2],
+}
+
 /// The CPU twin; `None` if a triangle has a corner without a position.
-pub fn reference(triangles: &[[u32; 3]], source: &[Lanes], image: &[Lanes]) -> Option<Vec<Stretch>> {
-    let mut stretches = bytemuck::zeroed_vec(triangles.len());
+pub fn reference(triangles: &[[u32; 3]], source: &[Lanes], image: &[Lanes], stretches: &mut [Stretch]) -> Option<()> {
     let arch = pulp::Arch::new();
     let pieces = triangles.par_chunks(GRAIN).zip(stretches.par_chunks_mut(GRAIN));
     let of_piece = |(triangles, stretches)| arch.dispatch(Piece { triangles, positions: [source, image], stretches });
-    pieces.map(of_piece).collect::<Option<()>>()?;
-    Some(stretches)
+    pieces.map(of_piece).collect()
 }
 
 /// Triangles that one thread goes through.
@@ -129,7 +160,9 @@ impl pulp::NullaryFnOnce for Piece<'_> {
     /// `None` if a corner has no position.
     #[inline(always)]
     fn call(self) -> Option<()> {
-        let mut block = Block { edges: [[[[0.0; BLOCK]; 3]; 2]; 2], members: [[0.0; BLOCK]; 4] };
+        let column = [0.0; BLOCK];
+        let maps = Maps { mean: column, spread: column, squares: [column; 2], units: [column; 2] };
+        let mut block = Block { edges: [[[column; 3]; 2]; 2], maps, members: [column; 4] };
         let (whole, rest) = self.triangles.as_chunks();
         let (whole_out, rest_out) = self.stretches.as_chunks_mut();
         for (triangles, stretches) in whole.iter().zip(whole_out) {
@@ -155,14 +188,22 @@ impl Block {
         stretches: &mut [Stretch; BLOCK],
     ) -> Option<()> {
         gather(triangles, positions, &mut self.edges)?;
-        let [[u, w], [p, q]] = &self.edges;
+        let Block { edges: [[u, w], [p, q]], maps, members } = self;
+        // Two short loops: in one long loop a processor would see no next triangles to go on with while it waits for roots.
         for i in 0..BLOCK {
             let at = |vectors: &Columns| [vectors[0][i], vectors[1][i], vectors[2][i]];
-            let stretch = of_triangle(at(u), at(w), at(p), at(q));
-            self.members[0][i] = stretch.large;
-            self.members[1][i] = stretch.small;
-            self.members[2][i] = stretch.area_from;
-            self.members[3][i] = stretch.area_to;
+            let Map { mean, spread, squares, units } = Map::new(at(u), at(w), at(p), at(q));
+            (maps.mean[i], maps.spread[i]) = (mean, spread);
+            (maps.squares[0][i], maps.squares[1][i]) = (squares[0], squares[1]);
+            (maps.units[0][i], maps.units[1][i]) = (units[0], units[1]);
+        }
+        for i in 0..BLOCK {
+            let [squares, units] = [&maps.squares, &maps.units].map(|[before, after]| [before[i], after[i]]);
+            let stretch = Map { mean: maps.mean[i], spread: maps.spread[i], squares, units }.stretch();
+            members[0][i] = stretch.large;
+            members[1][i] = stretch.small;
+            members[2][i] = stretch.area_from;
+            members[3][i] = stretch.area_to;
         }
         for (k, stretches) in stretches.as_chunks_mut::<4>().0.iter_mut().enumerate() {
             let [a, b, c, d] = self.members.each_ref().map(|member| Vec4::from_array(member.as_chunks().0[k]));
@@ -200,46 +241,78 @@ fn gather(triangles: &[[u32; 3]; BLOCK], [source, image]: [&[Lanes]; 2], edges: 
     Some(())
 }
 
-/// The stretch of a triangle with edges `u` and `w` before the map, and `p` and `q` after it. Nothing is left out by a
-/// branch: what has no meaning is computed and dropped, so that many triangles go together.
-#[inline(always)]
-fn of_triangle(u: Vec3, w: Vec3, p: Vec3, q: Vec3) -> Stretch {
-    let unit = longest(u, w);
-    let image_unit = longest(p, q);
-    let (u, w) = (times(u, 1.0 / unit), times(w, 1.0 / unit));
-    let twice = double_area(u, w);
-    let (p, q) = (times(p, 1.0 / image_unit), times(q, 1.0 / image_unit));
-    let image_twice = double_area(p, q);
-    // Positively phrased: NaN fails, and leaves all zero.
-    let usable = (MIN_LENGTH..=MAX_LENGTH).contains(&unit) & (image_unit <= MAX_LENGTH);
-    let has_image = usable & (image_unit >= MIN_LENGTH);
-    let has_area = usable & (twice >= MIN_DOUBLE_AREA);
-    let [large, small] = singular_values(u, w, twice, p, q, image_twice);
-    let ratio = image_unit / unit;
-    let or_zero = |condition: bool, value: f32| if condition { value } else { 0.0 };
-    Stretch {
-        large: or_zero(has_image & has_area, large * ratio),
-        small: or_zero(has_image & has_area, small * ratio),
-        area_from: or_zero(has_area, 0.5 * twice * unit * unit),
-        area_to: or_zero(has_image, 0.5 * image_twice * image_unit * image_unit),
+/// The entry of one triangle in [`Maps`].
+struct Map {
+    mean: f32,
+    spread: f32,
+    squares: [f32; 2],
+    units: [f32; 2],
+}
+
+impl Map {
+    /// That of a triangle with edges `u` and `w` before the map, and `p` and `q` after it. Nothing is left out by a branch:
+    /// what has no meaning is computed and dropped, so that many triangles go together.
+    #[inline(always)]
+    fn new(u: Vec3, w: Vec3, p: Vec3, q: Vec3) -> Self {
+        let length = longest(u, w);
+        let image_length = longest(p, q);
+        let (unit, per_unit) = power_of_two(length);
+        let (image_unit, per_image_unit) = power_of_two(image_length);
+        let (u, w) = (times(u, per_unit), times(w, per_unit));
+        let (p, q) = (times(p, per_image_unit), times(q, per_image_unit));
+        let squares = [double_area_squared(u, w), double_area_squared(p, q)];
+        // Positively phrased: NaN fails, and leaves all zero.
+        let usable = (MIN_LENGTH..=MAX_LENGTH).contains(&length) & (image_length <= MAX_LENGTH);
+        let has_image = usable & (image_length >= MIN_LENGTH);
+        let has_area = usable & (squares[0] >= MIN_DOUBLE_AREA * MIN_DOUBLE_AREA);
+        // The map's columns in the orthonormal frame along `u` have the products `a`, `c` and, but for the triangle's area, `b`.
+        // One division for two.
+        let width = dot3(u, u);
+        let both = 1.0 / (width * squares[0]);
+        let (per_width, per_square) = (both * squares[0], both * width);
+        let shear = dot3(u, w) * per_width;
+        let y = [0, 1, 2].map(|i| q[i] - p[i] * shear);
+        let a = dot3(p, p) * per_width;
+        let b = dot3(p, y);
+        let c = dot3(y, y) * (width * per_square);
+        let half = 0.5 * (a - c);
+        Map {
+            mean: 0.5 * (a + c),
+            spread: half * half + b * (b * per_square),
+            squares,
+            units: [or_zero(has_area, unit), or_zero(has_image, image_unit)],
+        }
+    }
+
+    #[inline(always)]
+    fn stretch(self) -> Stretch {
+        let [unit, image_unit] = self.units;
+        let [twice, image_twice] = self.squares.map(f32::sqrt);
+        let large = (self.mean + self.spread.sqrt()).sqrt();
+        let small = smaller(image_twice / (twice * large), large);
+        let ratio = image_unit * power_of_two(unit).1;
+        // NaN is not positive.
+        let has_stretch = (unit > 0.0) & (image_unit > 0.0) & (large > 0.0);
+        Stretch {
+            large: or_zero(has_stretch, large * ratio),
+            small: or_zero(has_stretch, small * ratio),
+            area_from: or_zero(unit > 0.0, 0.5 * twice * unit * unit),
+            area_to: or_zero(image_unit > 0.0, 0.5 * image_twice * image_unit * image_unit),
+        }
     }
 }
 
-/// Singular values of the map that takes edges `u`, `w` (spanning `twice` the triangle's area) to edges `p`, `q`.
 #[inline(always)]
-fn singular_values(u: Vec3, w: Vec3, twice: f32, p: Vec3, q: Vec3, image_twice: f32) -> [f32; 2] {
-    let width = dot3(u, u).sqrt();
-    let per_width = 1.0 / width;
-    let per_area = 1.0 / twice;
-    let x = times(p, per_width);
-    let shear = dot3(u, w) * per_width;
-    let y = times([0, 1, 2].map(|i| q[i] - x[i] * shear), width * per_area);
-    let (a, b, c) = (dot3(x, x), dot3(x, y), dot3(y, y));
-    let large = ((a + c + ((a - c) * (a - c) + 4.0 * (b * b)).sqrt()) * 0.5).sqrt();
-    let small = smaller(image_twice * per_area / large, large);
-    // NaN is not positive.
-    let if_positive = |x: f32| if large > 0.0 { x } else { 0.0 };
-    [if_positive(large), if_positive(small)]
+fn or_zero(condition: bool, value: f32) -> f32 {
+    if condition { value } else { 0.0 }
+}
+
+/// The largest power of two not above a positive normal number, and one divided by it; both finite whatever the number.
+#[inline(always)]
+fn power_of_two(x: f32) -> (f32, f32) {
+    let exponent = x.to_bits() & 0x7f80_0000;
+    // A power of two has the exponent 127 + n there, its inverse 127 - n: the sum of both is always 254.
+    (f32::from_bits(exponent), f32::from_bits(0x7f00_0000_u32.wrapping_sub(exponent)))
 }
 
 type Vec3 = [f32; 3];
@@ -255,11 +328,10 @@ fn dot3(a: Vec3, b: Vec3) -> f32 {
 }
 
 #[inline(always)]
-fn double_area(u: Vec3, w: Vec3) -> f32 {
+fn double_area_squared(u: Vec3, w: Vec3) -> f32 {
     let n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
     let square = dot3(n, n);
-    let length = square.sqrt();
-    if square >= MIN_SQUARE { length } else { 0.0 }
+    or_zero(square >= MIN_SQUARE, square)
 }
 
 #[inline(always)]
