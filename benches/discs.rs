@@ -12,7 +12,7 @@ use homeo::gpu::Compute;
 use homeo::mesh::io::{MeshFile, write_obj};
 use homeo::mesh::metric;
 use homeo::mesh::{FaceId, Id, TriMesh, VertexId};
-use homeo::plane::convex::embed_patch;
+use homeo::plane::convex::embed_disc;
 use homeo::plane::patch_disc::PatchDisc;
 use homeo::plane::stretch::{Frame, e_l2, l2_sq};
 use homeo::shape::fixture::disc;
@@ -66,7 +66,7 @@ fn on_a_circle(mesh: &TriMesh) -> Vec<DVec2> {
         corners: [0, 1, 2],
         positions,
     };
-    embed_patch(&mut disc, &points, &Frame { first: DVec2::X, second: DVec2::Y })
+    embed_disc(&mut disc, &points, &Frame { first: DVec2::X, second: DVec2::Y })
         .expect("a hilly disc can be laid flat");
     let mut uv = vec![DVec2::ZERO; points.len()];
     disc.vertices.iter().zip(&disc.positions).for_each(|(v, &p)| uv[v.index()] = p);

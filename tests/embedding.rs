@@ -11,7 +11,7 @@ use homeo::mesh::{ArcId, FaceId, Id, IdVec, LandmarkId, TriMesh, VertexId, face_
 use homeo::path::base_complex::DirectedArc;
 use homeo::path::cut_mesh::CutMesh;
 use homeo::path::region::base_complex;
-use homeo::plane::convex::{embed_patch, is_embedded};
+use homeo::plane::convex::{embed_disc, embed_patch, is_embedded};
 use homeo::plane::divide::split_dividing_edges;
 use homeo::plane::orientation::orientation;
 use homeo::plane::patch_disc::{PatchDisc, on_side};
@@ -173,6 +173,23 @@ fn a_flat_patch_is_reproduced() {
     }
     let stretch = patch_stretch(&disc, &points, &frame);
     assert!((e_l2(&stretch, frame.area()) - 1.0).abs() < 1e-12);
+}
+
+/// On springs a disc has no more stretch than by the weights of rings, and as exact triangles.
+#[test]
+fn a_hilly_disc_on_springs_has_little_stretch() {
+    let (disc, mut points) = flat_disc(24);
+    let hill = |x: f64, y: f64| (-20.0 * ((x - 0.3).powi(2) + (y - 0.3).powi(2))).exp();
+    points.iter_mut().for_each(|p| p.z = hill(p.x, p.y));
+    let frame = Frame { first: glam::DVec2::X, second: glam::DVec2::Y };
+    let [mut by_rings, mut on_springs] = [disc.clone(), disc];
+    assert!(embed_patch(&mut by_rings, &points, &frame).is_some());
+    assert!(embed_disc(&mut on_springs, &points, &frame).is_some());
+    assert!(is_embedded(&on_springs, &on_springs.positions));
+    assert_eq!(on_springs.positions[..on_springs.boundary], by_rings.positions[..by_rings.boundary]);
+    let energy = |disc: &PatchDisc| e_l2(&patch_stretch(disc, &points, &frame), frame.area());
+    let (rings, springs) = (energy(&by_rings), energy(&on_springs));
+    assert!(springs < rings && springs < 1.4, "{springs} against {rings}");
 }
 
 #[test]

@@ -3,11 +3,13 @@
 //! Every free vertex is a convex combination of its ring, so the embedding in a convex triangle is bijective as long as
 //! all weights are positive and no dividing edge exists; whether it is so in floating point is checked exactly.
 
+use super::mean_value::{bound, mean_value, stiffness};
 use super::orientation::orientation;
 use super::patch_disc::PatchDisc;
 use super::progressive::embed_progressively;
 use super::stretch::{Frame, e_l2, patch_stretch};
 use crate::mesh::metric;
+use crate::solve::springs::Springs;
 use faer::linalg::solvers::Solve;
 use faer::sparse::linalg::solvers::{Lu, SymbolicLu};
 use faer::sparse::{SparseColMat, Triplet};
@@ -19,8 +21,6 @@ const REWEIGHTINGS: usize = 10;
 const GAIN: f64 = 1e-3;
 /// An embedding with a larger E_L2 has shrunk a limb, and is worth the slower way from coarse to fine.
 const ACCEPTABLE: f64 = 3.0;
-/// Weights of one ring are kept within this ratio, so that the system stays solvable on slivers.
-const WEIGHT_RANGE: f64 = 1e8;
 
 /// Which weights an embedding came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,10 +47,10 @@ pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Opt
     let rings = disc.rings();
     let all = 0..rings.len();
     let surface = all.clone().map(|v| mean_value(v, &rings[v], points)).collect();
-    let mut best = minimise_stretch(disc, &rings, surface, points, frame).map(|e| (Weights::MeanValue, e));
+    let mut best = embed_by_rings(disc, &rings, surface, points, frame).map(|e| (Weights::MeanValue, e));
     if best.is_none() {
         let uniform = rings.iter().map(|r| vec![1.0; r.len()]).collect();
-        best = minimise_stretch(disc, &rings, uniform, points, frame).map(|e| (Weights::Uniform, e));
+        best = embed_by_rings(disc, &rings, uniform, points, frame).map(|e| (Weights::Uniform, e));
     }
     if !best.as_ref().is_some_and(|(_, e)| e.energy <= ACCEPTABLE)
         && let Some(positions) = embed_progressively(disc, &rings, points, frame)
@@ -58,13 +58,24 @@ pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Opt
         let flat: Vec<DVec3> = positions.iter().map(|&p| frame.place(p).extend(0.0)).collect();
         let weights = all.map(|v| mean_value(v, &rings[v], &flat)).collect();
         let found = Embedded { energy: energy_of(disc, &positions, points, frame), positions };
-        let minimised = minimise_stretch(disc, &rings, weights, points, frame);
+        let minimised = embed_by_rings(disc, &rings, weights, points, frame);
         let rivals = [Some(found), minimised].into_iter().flatten().map(|e| (Weights::Progressive, e));
         best = best.into_iter().chain(rivals).min_by(|a, b| a.1.energy.total_cmp(&b.1.energy));
     }
     let (kind, Embedded { positions, .. }) = best?;
     disc.positions = positions;
     Some(kind)
+}
+
+/// [`embed_patch`] for a disc of its own, which may be large: on springs, if that embeds it well. A spring pulls at both its
+/// ends alike, and the symmetric system takes a quarter of the time. The patches of a map keep the weights by rings, with
+/// which the kernels go on.
+pub fn embed_disc(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Option<()> {
+    match embed_on_springs(disc, points, frame).filter(|e| e.energy <= ACCEPTABLE) {
+        Some(embedded) => disc.positions = embedded.positions,
+        None => drop(embed_patch(disc, points, frame)?),
+    }
+    Some(())
 }
 
 /// Embeds a patch as near as can be to the places its vertices would like to have: as they wish if no triangle turns over,
@@ -125,7 +136,8 @@ pub fn is_embedded(disc: &PatchDisc, positions: &[DVec2]) -> bool {
     })
 }
 
-fn minimise_stretch(
+/// The embedding by weights of rings, re-weighted.
+fn embed_by_rings(
     disc: &PatchDisc,
     rings: &[Vec<u32>],
     mut weights: Vec<Vec<f64>>,
@@ -133,15 +145,42 @@ fn minimise_stretch(
     frame: &Frame,
 ) -> Option<Embedded> {
     let mut system = System { disc, rings, symbolic: None };
-    let mut trial = PatchDisc { positions: system.solve(&weights)?, ..disc.clone() };
+    let first = system.solve(&weights)?;
+    minimise_stretch(disc, first, points, frame, |sigma| {
+        divide_by_stretch(&mut weights, rings, sigma);
+        system.solve(&weights)
+    })
+}
+
+/// The embedding on springs of mean value stiffness, re-weighted.
+fn embed_on_springs(disc: &PatchDisc, points: &[DVec3], frame: &Frame) -> Option<Embedded> {
+    let springs = Springs::along(&disc.triangles, disc.vertices.len(), disc.boundary)?;
+    let mut stiffness = stiffness(disc, springs.ends(), points);
+    let first = springs.rest(&stiffness, &disc.positions)?;
+    minimise_stretch(disc, first, points, frame, |sigma| {
+        // The root: by all of the stretch E_L2 falls less, and rises again.
+        let divide = |(s, &[v, w]): (&mut f64, &[u32; 2])| *s /= (sigma[v as usize] * sigma[w as usize]).sqrt();
+        stiffness.iter_mut().zip(springs.ends()).for_each(divide);
+        springs.rest(&stiffness, &disc.positions)
+    })
+}
+
+/// Goes on from an embedding to what `reweighted` by the stretch around every vertex becomes of it, as long as E_L2 falls.
+fn minimise_stretch(
+    disc: &PatchDisc,
+    first: Vec<DVec2>,
+    points: &[DVec3],
+    frame: &Frame,
+    mut reweighted: impl FnMut(&[f64]) -> Option<Vec<DVec2>>,
+) -> Option<Embedded> {
+    let mut trial = PatchDisc { positions: first, ..disc.clone() };
     if !is_embedded(disc, &trial.positions) {
         return None;
     }
     let mut stretch = patch_stretch(&trial, points, frame);
     let mut best = Embedded { positions: trial.positions.clone(), energy: e_l2(&stretch, frame.area()) };
     for _ in 0..REWEIGHTINGS {
-        divide_by_stretch(&mut weights, rings, &vertex_stretch(disc, &stretch));
-        match system.solve(&weights) {
+        match reweighted(&vertex_stretch(disc, &stretch)) {
             Some(positions) if is_embedded(disc, &positions) => trial.positions = positions,
             _ => break,
         }
@@ -175,34 +214,6 @@ fn divide_by_stretch(weights: &mut [Vec<f64>], rings: &[Vec<u32>], sigma: &[f64]
             *w /= sigma[j as usize];
         }
         bound(w);
-    }
-}
-
-/// Mean value weights of a vertex towards its closed, counter-clockwise ring, from the angles on the surface; largest 1.
-pub fn mean_value(v: usize, ring: &[u32], points: &[DVec3]) -> Vec<f64> {
-    let spokes: Vec<DVec3> = ring.iter().map(|&j| points[j as usize] - points[v]).collect();
-    let n = ring.len();
-    let half_tangent = |i: usize| {
-        let (u, w) = (spokes[i], spokes[(i + 1) % n]);
-        let (sine, product) = (u.cross(w).length(), u.length() * w.length());
-        // tan(a/2) = sin a / (1 + cos a) = (1 - cos a) / sin a; the larger denominator is the stable one.
-        let cosine = u.dot(w);
-        if cosine >= 0.0 { sine / (product + cosine) } else { (product - cosine) / sine }
-    };
-    let tangents: Vec<f64> = (0..n).map(half_tangent).collect();
-    let mut weights: Vec<f64> =
-        (0..n).map(|i| (tangents[(i + n - 1) % n] + tangents[i]) / spokes[i].length()).collect();
-    bound(&mut weights);
-    weights
-}
-
-/// Scales weights to a largest of 1 and keeps them within [`WEIGHT_RANGE`]; what is not finite counts as largest.
-fn bound(weights: &mut [f64]) {
-    let finite = weights.iter().copied().filter(|w| w.is_finite()).fold(0.0, f64::max);
-    let largest = if finite > 0.0 { finite } else { 1.0 };
-    for w in weights {
-        let scaled = if w.is_finite() { *w / largest } else { 1.0 };
-        *w = scaled.max(1.0 / WEIGHT_RANGE);
     }
 }
 

@@ -9,6 +9,7 @@ mod grid;
 pub mod ground;
 pub mod hierarchy;
 pub mod locate;
+pub mod mean_value;
 pub mod newton;
 pub mod orientation;
 pub mod overlay;

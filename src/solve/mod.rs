@@ -6,4 +6,5 @@ pub mod dirichlet;
 pub mod least_squares_mesh;
 pub mod matching;
 pub mod nearest;
+pub mod springs;
 pub mod warp;

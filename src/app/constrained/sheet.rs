@@ -110,7 +110,7 @@ impl Sheet {
         let mut free = vec![true; positions.len()];
         free[disc..disc + around.ring].fill(false);
         self.features.iter().for_each(|f| free[f.vertex as usize] = false);
-        let scale = self.scale(weight);
+        let scale = self.balanced_scale(weight);
         let (mut shapes, mut weights) = (Vec::with_capacity(triangles.len()), weight.to_vec());
         let mut counted = 0.0;
         for (t, corners) in triangles.iter().enumerate() {
@@ -127,6 +127,25 @@ impl Sheet {
         let vertices = (0..positions.len()).map(VertexId::new).collect();
         let domain = Domain { vertices, positions, free, triangles, ..Domain::default() };
         Some(Framed { domain, shapes, weights })
+    }
+
+    /// How large the unit of space is in the plane for the energy to be least: then stretching and shrinking cost the same,
+    /// and what a round of relaxation gains the next does not lose.
+    fn balanced_scale(&self, weight: &[f64]) -> f64 {
+        let scale = self.scale(weight);
+        let (mut stretched, mut shrunk) = (0.0, 0.0);
+        for (t, weight) in weight.iter().enumerate().take(self.real) {
+            let rest = self.spatial(t).map(|p| p * scale);
+            let area = weight * metric::area(rest);
+            if area <= 0.0 {
+                continue;
+            }
+            let (large, small) = metric::singular_values(rest, self.planar(t).map(|p| p.extend(0.0)));
+            stretched += area * (large * large + small * small);
+            shrunk += area * (1.0 / (large * large) + 1.0 / (small * small));
+        }
+        let balance = (stretched / shrunk).powf(0.25);
+        if balance.is_normal() { scale * balance } else { scale }
     }
 
     /// Area in the plane per area in space.

@@ -9,7 +9,7 @@ use super::sheet::Sheet;
 use crate::error::{Error, Result};
 use crate::gpu::Compute;
 use crate::mesh::{FaceId, Id, VertexId};
-use crate::plane::convex::embed_patch;
+use crate::plane::convex::embed_disc;
 use crate::plane::patch_disc::PatchDisc;
 use crate::plane::stretch::Frame;
 use glam::DVec2;
@@ -77,7 +77,7 @@ fn embed(sheet: &mut Sheet) -> Result<()> {
         positions,
     };
     let frame = Frame { first: DVec2::X, second: DVec2::Y };
-    embed_patch(&mut disc, &points, &frame).ok_or_else(|| {
+    embed_disc(&mut disc, &points, &frame).ok_or_else(|| {
         Error::unsolvable("the mesh cannot be laid flat in double precision")
             .remedy("remove triangles without area and needles, or remesh")
     })?;
