@@ -66,7 +66,7 @@ fn on_a_circle(mesh: &TriMesh) -> Vec<DVec2> {
         corners: [0, 1, 2],
         positions,
     };
-    embed_disc(&mut disc, &points, &Frame { first: DVec2::X, second: DVec2::Y })
+    embed_disc(&mut disc, &points, &Frame { first: DVec2::X, second: DVec2::Y }, 0.5)
         .expect("a hilly disc can be laid flat");
     let mut uv = vec![DVec2::ZERO; points.len()];
     disc.vertices.iter().zip(&disc.positions).for_each(|(v, &p)| uv[v.index()] = p);

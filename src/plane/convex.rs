@@ -70,8 +70,11 @@ pub fn embed_patch(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Opt
 /// [`embed_patch`] for a disc of its own, which may be large: on springs, if that embeds it well. A spring pulls at both its
 /// ends alike, and the symmetric system takes a quarter of the time. The patches of a map keep the weights by rings, with
 /// which the kernels go on.
-pub fn embed_disc(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame) -> Option<()> {
-    match embed_on_springs(disc, points, frame).filter(|e| e.energy <= ACCEPTABLE) {
+///
+/// Stiffness is divided by a `power` of the stretch at both ends: E_L2 falls most with the root, 0.5; with 1 the vertices
+/// near the boundary get more room, as is good for a boundary that is let go next.
+pub fn embed_disc(disc: &mut PatchDisc, points: &[DVec3], frame: &Frame, power: f64) -> Option<()> {
+    match embed_on_springs(disc, points, frame, power).filter(|e| e.energy <= ACCEPTABLE) {
         Some(embedded) => disc.positions = embedded.positions,
         None => drop(embed_patch(disc, points, frame)?),
     }
@@ -153,13 +156,12 @@ fn embed_by_rings(
 }
 
 /// The embedding on springs of mean value stiffness, re-weighted.
-fn embed_on_springs(disc: &PatchDisc, points: &[DVec3], frame: &Frame) -> Option<Embedded> {
+fn embed_on_springs(disc: &PatchDisc, points: &[DVec3], frame: &Frame, power: f64) -> Option<Embedded> {
     let springs = Springs::along(&disc.triangles, disc.vertices.len(), disc.boundary)?;
     let mut stiffness = stiffness(disc, springs.ends(), points);
     let first = springs.rest(&stiffness, &disc.positions)?;
     minimise_stretch(disc, first, points, frame, |sigma| {
-        // The root: by all of the stretch E_L2 falls less, and rises again.
-        let divide = |(s, &[v, w]): (&mut f64, &[u32; 2])| *s /= (sigma[v as usize] * sigma[w as usize]).sqrt();
+        let divide = |(s, &[v, w]): (&mut f64, &[u32; 2])| *s /= (sigma[v as usize] * sigma[w as usize]).powf(power);
         stiffness.iter_mut().zip(springs.ends()).for_each(divide);
         springs.rest(&stiffness, &disc.positions)
     })

@@ -21,7 +21,7 @@ const STEPS: usize = 1;
 /// Sweeps of a round.
 const SWEEPS: usize = 2;
 /// A round that lowers the energy by a smaller share is the last.
-const SETTLED: f64 = 2e-3;
+const SETTLED: f64 = 5e-3;
 
 /// How to relax.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +40,8 @@ pub fn relax(sheet: &mut Sheet, compute: &Compute, how: &Relaxation) -> Result<(
     let mut last = f64::INFINITY;
     for _ in 0..how.rounds {
         let Some(Framed { mut domain, shapes, weights }) = sheet.framed(how.weight) else { break };
+        // The unit of space changes from round to round; energies by area can be compared all the same.
+        let area: f64 = shapes.iter().zip(&weights).map(|(&shape, weight)| weight * metric::signed_area(shape)).sum();
         let mut smoother = Smoother::shaped(&mut domain, &shapes, &weights);
         if how.crushed {
             sweep_exactly(&mut smoother);
@@ -48,7 +50,7 @@ pub fn relax(sheet: &mut Sheet, compute: &Compute, how: &Relaxation) -> Result<(
         let stepped = (0..STEPS).filter(|_| newton(&mut smoother)).count();
         sweep(&mut smoother, compute)?;
         smoother.look();
-        let energy = smoother.energy();
+        let energy = smoother.energy() / area;
         adopt(sheet, &domain);
         if stepped == 0 || energy > last * (1.0 - SETTLED) {
             break;
