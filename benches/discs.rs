@@ -1,9 +1,9 @@
 //! One disc laid flat with little stretch: `cargo bench --bench discs -- [TRIANGLES] [--write FOLDER]`.
 //!
 //! The disc has hills and about as many triangles as asked for (100,000 unless said otherwise). It is laid flat twice: its
-//! boundary on a circle, by convex combinations that are weighted anew by stretch (Yoshizawa, Belyaev, Seidel); and its
-//! boundary free, as the texture mapping of a disc without constraints does it. Printed: how, triangles, seconds on the wall
-//! and of all threads, normalised L2 stretch. `--write` leaves disc.obj there, for others to do the same.
+//! boundary on a circle, on springs that are weighted anew by stretch (after Yoshizawa, Belyaev, Seidel); and its boundary
+//! free, as the texture mapping of a disc without constraints does it. Printed: how, triangles, seconds on the wall and of
+//! all threads, normalised L2 stretch. `--write` leaves disc.obj there, for others to do the same.
 
 use glam::DVec2;
 use homeo::app::constrained::constrain;
