@@ -10,6 +10,8 @@ const MAX_LENGTH: f32 = 1e12;
 const MIN_DOUBLE_AREA: f32 = 1e-8;
 // Squares below this count as zero, so that devices which flush denormal numbers agree with those which do not.
 const MIN_SQUARE: f32 = 1e-24;
+// The exponents of a power of two and of one divided by it have this sum, where f32 has them.
+const POWERS: u32 = 0x7f000000u;
 
 @group(0) @binding(0) var<uniform> params: Span;
 @group(0) @binding(1) var<storage, read> triangles: array<Triangle>;
@@ -33,14 +35,13 @@ fn longest(u: vec3<f32>, w: vec3<f32>) -> f32 {
     return max(max(m.x, m.y), m.z);
 }
 
-// The exponent of the largest power of two not above a positive normal number, where f32 has it; that of one divided by
-// the power is POWERS less this.
+// The exponent of the largest power of two not above a positive normal number, where f32 has it.
 fn exponent(x: f32) -> u32 {
     return bitcast<u32>(x) & 0x7f800000u;
 }
-const POWERS: u32 = 0x7f000000u;
 
-// The larger singular value of the map that takes edges u, w (with `square` for the square of twice the triangle's area) to edges p, q.
+// The larger singular value of the map that takes edges u, w (with `square` for the square of twice the triangle's area) to
+// edges p, q.
 fn larger_value(u: vec3<f32>, w: vec3<f32>, square: f32, p: vec3<f32>, q: vec3<f32>) -> f32 {
     let width = dot3(u, u);
     let both = 1.0 / (width * square);

@@ -175,21 +175,22 @@ fn a_flat_patch_is_reproduced() {
     assert!((e_l2(&stretch, frame.area()) - 1.0).abs() < 1e-12);
 }
 
-/// On springs a disc has no more stretch than by the weights of rings, and as exact triangles.
+/// On springs a disc exceeds an isometry's stretch by a fifth less than by the weights of rings, and than seen from above.
 #[test]
 fn a_hilly_disc_on_springs_has_little_stretch() {
     let (disc, mut points) = flat_disc(24);
     let hill = |x: f64, y: f64| (-20.0 * ((x - 0.3).powi(2) + (y - 0.3).powi(2))).exp();
     points.iter_mut().for_each(|p| p.z = hill(p.x, p.y));
     let frame = Frame { first: glam::DVec2::X, second: glam::DVec2::Y };
-    let [mut by_rings, mut on_springs] = [disc.clone(), disc];
+    let [mut by_rings, mut on_springs] = [disc.clone(), disc.clone()];
     assert!(embed_patch(&mut by_rings, &points, &frame).is_some());
     assert!(embed_disc(&mut on_springs, &points, &frame, 0.5).is_some());
     assert!(is_embedded(&on_springs, &on_springs.positions));
     assert_eq!(on_springs.positions[..on_springs.boundary], by_rings.positions[..by_rings.boundary]);
     let energy = |disc: &PatchDisc| e_l2(&patch_stretch(disc, &points, &frame), frame.area());
-    let (rings, springs) = (energy(&by_rings), energy(&on_springs));
-    assert!(springs < rings && springs < 1.4, "{springs} against {rings}");
+    let [above, rings, springs] = [&disc, &by_rings, &on_springs].map(energy);
+    let excess = |e_l2: f64| e_l2 - 1.0;
+    assert!(excess(springs) < 0.8 * excess(rings.min(above)), "{springs} against {rings} and {above}");
 }
 
 #[test]

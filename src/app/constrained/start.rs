@@ -77,6 +77,7 @@ fn embed(sheet: &mut Sheet) -> Result<()> {
         positions,
     };
     let frame = Frame { first: DVec2::X, second: DVec2::Y };
+    // All of the stretch: the boundary is let go next.
     embed_disc(&mut disc, &points, &frame, 1.0).ok_or_else(|| {
         Error::unsolvable("the mesh cannot be laid flat in double precision")
             .remedy("remove triangles without area and needles, or remesh")
