@@ -3,8 +3,8 @@
 //! Every folder below FOLDER with `source.obj`, `target.obj` and `landmarks.csv` is a pair. Printed are our versions of
 //! VORONOI's table 2 (the greedy layout against VORONOI with one edge node and with adaptive ones, the map relaxed within
 //! patches), of HYPOTHESIS' table 1 (vertices before and after active refinement, the greedy layout's seconds against
-//! ours), and beside them what the papers have. `--perturb N` moves all landmarks to a neighbouring vertex by chance, N
-//! times a pair, and prints how E_L2 spreads.
+//! ours), and beside them what the papers have. With `--perturb N` landmarks are moved instead: all of them to a neighbouring
+//! vertex by chance, N times a pair; printed is how E_L2 spreads.
 
 mod common;
 
@@ -83,6 +83,15 @@ fn main() {
     };
     let mut pairs = folders_with(&["source.obj", "target.obj", "landmarks.csv"], &folder);
     pairs.retain(|p| only.as_ref().is_none_or(|word| p.to_string_lossy().contains(word)));
+    if perturb > 0 {
+        println!(
+            "Landmarks moved to a neighbouring vertex, {perturb} times: failures, E_L2 from to, change in the median, the greatest and its draw"
+        );
+        for pair in &pairs {
+            shown(pair, perturbed_row(pair, perturb));
+        }
+        return;
+    }
     println!("VORONOI, table 2 in the paper: greedy | one edge node | adaptive edge nodes");
     for (name, sizes, landmarks, [ang, l2, seconds]) in VORONOI {
         let cell = |k: usize| format!("{:6.2} {:6.3} {:7.1} s", ang[k], l2[k], seconds[k]);
@@ -98,14 +107,6 @@ fn main() {
     println!("\nThe same here, seconds of the layout: greedy | hypothesis, vertices after active refinement");
     for pair in &pairs {
         shown(pair, hypothesis_row(pair));
-    }
-    if perturb > 0 {
-        println!(
-            "\nLandmarks moved to a neighbouring vertex, {perturb} times: failures, E_L2 from to, change in the median and the greatest"
-        );
-        for pair in &pairs {
-            shown(pair, perturbed_row(pair, perturb));
-        }
     }
 }
 
@@ -261,7 +262,7 @@ fn perturbed_row(pair: &Path, times: usize) -> Result<()> {
         Ok(measure([&checked.source.mesh, &checked.target.mesh], &map.maps[0]).e_l2)
     };
     let first = e_l2(sites.clone())?;
-    let (mut failures, mut all) = (0, vec![first]);
+    let (mut failures, mut all) = (0, Vec::new());
     for seed in 0..times {
         let mut random = SplitMix::new(seed as u64);
         let mut moved = sites.clone();
@@ -276,18 +277,20 @@ fn perturbed_row(pair: &Path, times: usize) -> Result<()> {
             }
         }
         match e_l2(moved) {
-            Ok(x) => all.push(x),
+            Ok(x) => all.push((x, seed)),
             Err(_) => failures += 1,
         }
     }
-    let [least, most] = [f64::min, f64::max].map(|pick| all.iter().copied().reduce(pick).unwrap_or(first));
-    let mut changes: Vec<f64> = all[1..].iter().map(|x| 100.0 * (x / first - 1.0).abs()).collect();
-    changes.sort_by(f64::total_cmp);
+    let change = |x: f64| 100.0 * (x / first - 1.0).abs();
+    all.sort_by(|(x, _), (y, _)| change(*x).total_cmp(&change(*y)));
+    let [least, most] = [f64::min, f64::max].map(|pick| all.iter().fold(first, |e, &(x, _)| pick(e, x)));
+    let (median, _) = all.get(all.len() / 2).copied().unwrap_or((first, 0));
+    let (greatest, draw) = all.last().copied().unwrap_or((first, 0));
     println!(
-        "{} | {failures} | {first:.3}: {least:.3} to {most:.3} | {:.1} %, {:.1} %",
+        "{} | {failures} | {first:.3}: {least:.3} to {most:.3} | {:.1} %, {:.1} % ({draw})",
         head(pair, &checked),
-        changes.get(changes.len() / 2).unwrap_or(&0.0),
-        changes.last().unwrap_or(&0.0)
+        change(median),
+        change(greatest)
     );
     Ok(())
 }
