@@ -16,7 +16,7 @@ use homeo::map::surface_map::SurfaceMap;
 use homeo::mesh::io::Landmarks;
 use homeo::mesh::{IdVec, TriMesh, VertexId};
 use homeo::pipeline::{LayoutMethod, MapOptions, Mapped, Silent, map_pairs};
-use homeo::shape::SplitMix;
+use homeo::shape::{SplitMix, nudge_landmarks};
 use homeo::stage::check::{Checked, check};
 use homeo::stage::cluster::BaseVertices;
 use homeo::stage::compose::{Composed, compose};
@@ -266,15 +266,8 @@ fn perturbed_row(pair: &Path, times: usize) -> Result<()> {
     for seed in 0..times {
         let mut random = SplitMix::new(seed as u64);
         let mut moved = sites.clone();
-        for k in 0..2 {
-            for i in 0..moved[k].len() {
-                let around: Vec<VertexId> =
-                    meshes[k].conn.outgoing(moved[k][i]).map(|h| meshes[k].conn.to(h)).collect();
-                let chosen = around[((random.unit() * around.len() as f64) as usize).min(around.len() - 1)];
-                if !moved[k].contains(&chosen) {
-                    moved[k][i] = chosen;
-                }
-            }
+        for (mesh, landmarks) in meshes.into_iter().zip(&mut moved) {
+            nudge_landmarks(mesh, landmarks, &mut random);
         }
         match e_l2(moved) {
             Ok(x) => all.push((x, seed)),

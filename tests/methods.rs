@@ -9,7 +9,7 @@ use homeo::gpu::{Device, DeviceChoice};
 use homeo::mesh::{Id, LandmarkId, SurfacePoint, TriMesh, VertexId};
 use homeo::pipeline::{LayoutMethod, MapOptions, Mapped, Silent, map_pairs};
 use homeo::shape::fixture::{annulus, ellipsoid, genus, icosphere, torus};
-use homeo::shape::{PairOptions, Quadruped, SplitMix, quadruped, random_landmarks, random_pair};
+use homeo::shape::{PairOptions, Quadruped, SplitMix, nudge_landmarks, quadruped, random_landmarks, random_pair};
 use homeo::stage::cluster::BaseVertices;
 use homeo::stage::compose::compose;
 use homeo::stage::greedy::Greedy;
@@ -110,13 +110,7 @@ fn guided_arcs_do_not_wind_wherever_the_landmarks_are() {
         let mut pair = quadrupeds();
         let mut random = SplitMix::new(seed);
         for (mesh, landmarks) in pair.meshes.iter().zip(&mut pair.landmarks) {
-            for i in 0..landmarks.len() {
-                let around: Vec<VertexId> = mesh.conn.outgoing(landmarks[i]).map(|h| mesh.conn.to(h)).collect();
-                let chosen = around[(random.unit() * around.len() as f64) as usize % around.len()];
-                if !landmarks.contains(&chosen) {
-                    landmarks[i] = chosen;
-                }
-            }
+            nudge_landmarks(mesh, landmarks, &mut random);
         }
         let both = [&pair.meshes[0], &pair.meshes[1]];
         let usual = layouts(both, &[base(&pair)], EDGE_NODES, 1).expect("a layout")[0].size(both);

@@ -130,13 +130,12 @@ fn tips(mesh: &TriMesh, landmarks: &[VertexId]) -> Vec<Tip> {
 /// they meet the boundary: that would leave few as well.
 fn slender_disc(mesh: &TriMesh, tip: &Tip, unit: f64) -> Option<Vec<FaceId>> {
     let distance = front(mesh, &[tip.vertex]).distance;
-    let within = |radius: f64| mesh.conn.faces().filter(|&f| distance[f] < radius).collect::<Vec<_>>();
+    let disc: Vec<FaceId> = mesh.conn.faces().filter(|&f| distance[f] < tip.reach * unit).collect();
     let is_slender = |share: f64| {
         let radius = share * tip.reach * unit;
-        let area: f64 = within(radius).into_iter().map(|f| metric::area(mesh.triangle(f))).sum();
-        area <= SLENDER * PI * radius * radius
+        let inside = disc.iter().filter(|&&f| distance[f] < radius);
+        inside.map(|&f| metric::area(mesh.triangle(f))).sum::<f64>() <= SLENDER * PI * radius * radius
     };
-    let disc = within(tip.reach * unit);
     let on_boundary = |&f: &FaceId| mesh.face(f).into_iter().any(|v| mesh.conn.is_on_boundary(v));
     (RADII.into_iter().all(is_slender) && !disc.iter().any(on_boundary)).then_some(disc)
 }

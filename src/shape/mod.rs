@@ -20,7 +20,7 @@ mod solid;
 pub use mug::{doughnut, mug};
 pub use pair::{PairOptions, RandomPair, random_pair};
 pub use quadruped::{Quadruped, quadruped};
-pub use random::{SplitMix, random_landmarks};
+pub use random::{SplitMix, nudge_landmarks, random_landmarks};
 pub use solid::FEWEST_VERTICES;
 
 use crate::mesh::{TriMesh, VertexId};

@@ -62,3 +62,14 @@ pub fn random_landmarks(mesh: &TriMesh, n: usize, seed: u64) -> Vec<VertexId> {
     }
     chosen
 }
+
+/// Moves every landmark to a neighbouring vertex drawn by chance; it stays where that is a landmark already.
+pub fn nudge_landmarks(mesh: &TriMesh, landmarks: &mut [VertexId], random: &mut SplitMix) {
+    for i in 0..landmarks.len() {
+        let around: Vec<VertexId> = mesh.conn.outgoing(landmarks[i]).map(|h| mesh.conn.to(h)).collect();
+        let chosen = around[random.below(around.len())];
+        if !landmarks.contains(&chosen) {
+            landmarks[i] = chosen;
+        }
+    }
+}
